@@ -1,0 +1,19 @@
+//! Cell geometry, digital lines and rasters for 2-D occupancy maps.
+//!
+//! A map is a rectangle of square cells. Cell 0 is the lower-left one, indices run along x first
+//! (`index = row * width + column`), lengths are in metres and angles in radians,
+//! counter-clockwise from the x axis.
+//!
+//! - [`GridSpec`] says where the cells are.
+//! - [`DigitalLine`] lists the cells that a viewing ray crosses, 4-connected, with the range at
+//!   which it enters and leaves each (Figure 2 of the paper).
+//! - [`Raster`] is one value per cell; [`npy`] writes it for numpy.
+
+mod line;
+pub mod npy;
+mod raster;
+mod spec;
+
+pub use line::DigitalLine;
+pub use raster::Raster;
+pub use spec::{GridError, GridSpec};

@@ -1,0 +1,125 @@
+//! Sampling the disparities that a stereo camera would measure.
+
+use rand::{Rng, RngExt as _};
+use rand_distr::StandardNormal;
+use serde::{Deserialize, Serialize};
+
+use crate::Stereo;
+
+/// A simulated stereo matcher: [`Stereo`] turned round, from a true range to a reading.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Matcher {
+    /// The camera's model.
+    pub stereo: Stereo,
+    /// Probability, 0 to 1, that an image column holds an edge to match, on a surface with texture
+    /// 1. Edge-based stereo gives no reading where there is no edge.
+    pub detection_rate: f64,
+    /// Disparities are rounded to multiples of this many px: 1 for whole-pixel matching, a fraction
+    /// for sub-pixel interpolation, 0 for none.
+    pub quantisation: f64,
+}
+
+impl Matcher {
+    /// The disparity (px) read on a ray at `bearing` (rad) whose first surface is at `range` (m)
+    /// and has the given `texture` (0 to 1), or none.
+    ///
+    /// There is no reading where the column has no edge, and where a correct match would leave
+    /// `0 ..= max_disparity`.
+    pub fn sample(&self, range: f64, bearing: f64, texture: f64, rng: &mut impl Rng) -> Option<f64> {
+        let Stereo { disparity_sigma, correct_match, max_disparity, .. } = self.stereo;
+        if rng.random::<f64>() >= self.detection_rate * texture {
+            return None;
+        }
+        let disparity = if rng.random::<f64>() < correct_match {
+            let noise: f64 = rng.sample(StandardNormal);
+            self.stereo.disparity(range, bearing) + disparity_sigma * noise
+        } else {
+            max_disparity * rng.random::<f64>()
+        };
+        self.quantised(disparity).filter(|d| (0.0..=max_disparity).contains(d))
+    }
+
+    /// The noise-free disparity (px) of a surface at `range` (m), if it is within the search range.
+    pub fn noise_free(&self, range: f64, bearing: f64) -> Option<f64> {
+        Some(self.stereo.disparity(range, bearing)).filter(|&d| d <= self.stereo.max_disparity)
+    }
+
+    fn quantised(&self, disparity: f64) -> Option<f64> {
+        let step = self.quantisation;
+        let rounded = if step > 0.0 { libm::rint(disparity / step) * step } else { disparity };
+        rounded.is_finite().then_some(rounded)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
+
+    fn samples(matcher: Matcher, range: f64, texture: f64, n: usize) -> Vec<Option<f64>> {
+        let mut rng = ChaCha8Rng::seed_from_u64(7);
+        (0..n).map(|_| matcher.sample(range, 0.0, texture, &mut rng)).collect()
+    }
+
+    const MATCHER: Matcher = Matcher {
+        stereo: Stereo { focal_baseline: 15.0, disparity_sigma: 0.5, correct_match: 0.8, max_disparity: 60.0 },
+        detection_rate: 1.0,
+        quantisation: 0.0,
+    };
+
+    #[test]
+    fn the_histogram_of_samples_is_the_likelihood() {
+        use crate::SensorModel as _;
+        let n = 200_000;
+        let readings = samples(MATCHER, 1.5, 1.0, n);
+        let near: Vec<f64> = readings.iter().flatten().copied().filter(|d| (d - 10.0).abs() < 2.5).collect();
+        let mut chi_square = 0.0;
+        for bin in 0..20 {
+            let low = 8.0 + 0.2 * f64::from(bin);
+            let count = near.iter().filter(|d| (low..low + 0.2).contains(*d)).count() as f64;
+            let expected = n as f64
+                * (0.8 * MATCHER.stereo.bin_probability(low + 0.1, 0.1, 0.0, 1.5, 1.5)
+                    + 0.2 * MATCHER.stereo.false_match_probability(0.1));
+            chi_square += (count - expected).powi(2) / expected;
+        }
+        assert!(chi_square < 45.3, "chi square {chi_square} of 20 bins is above its 99.9 % point");
+        let false_matches = readings.iter().flatten().filter(|d| (**d - 10.0).abs() > 5.0).count() as f64;
+        let expected = n as f64 * 0.2 * 50.0 / 60.0;
+        assert!((false_matches - expected).abs() < 5.0 * expected.sqrt(), "{false_matches} {expected}");
+    }
+
+    #[test]
+    fn detection_rate_and_texture_thin_the_readings() {
+        let matcher = Matcher { detection_rate: 0.5, ..MATCHER };
+        let share = samples(matcher, 1.5, 0.6, 100_000).iter().flatten().count() as f64 / 1e5;
+        assert!((share - 0.3).abs() < 0.008, "{share}");
+        assert_eq!(samples(matcher, 1.5, 0.0, 1000).iter().flatten().count(), 0);
+    }
+
+    #[test]
+    fn a_correct_match_outside_the_search_range_is_no_reading() {
+        let sure = Matcher { stereo: Stereo { correct_match: 1.0, ..MATCHER.stereo }, ..MATCHER };
+        assert_eq!(samples(sure, 0.2, 1.0, 1000).iter().flatten().count(), 0, "75 px");
+        let far = samples(sure, 150.0, 1.0, 20_000);
+        let share = far.iter().flatten().count() as f64 / 2e4;
+        assert!((share - 0.579).abs() < 0.02, "at 0.1 px, Phi(0.2) of the matches stay above 0: {share}");
+        assert!(far.iter().flatten().all(|d| (0.0..=60.0).contains(d)));
+        assert_eq!(samples(sure, 0.0, 1.0, 10), vec![None; 10], "touching the lens");
+    }
+
+    #[test]
+    fn quantised_to_whole_and_fractional_pixels() {
+        for step in [1.0, 0.25] {
+            let matcher = Matcher { quantisation: step, ..MATCHER };
+            for d in samples(matcher, 1.5, 1.0, 1000).into_iter().flatten() {
+                assert!((d / step - (d / step).round()).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn noise_free_readings_end_at_the_search_range() {
+        assert_eq!(MATCHER.noise_free(1.5, 0.0), Some(10.0));
+        assert_eq!(MATCHER.noise_free(0.1, 0.0), None);
+    }
+}

@@ -1,0 +1,64 @@
+//! What a sensor saw from one place.
+
+/// Where a sensor stands: position in metres, heading in radians counter-clockwise from x.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Pose {
+    /// Position along x, m.
+    pub x_m: f64,
+    /// Position along y, m.
+    pub y_m: f64,
+    /// Heading of the optical axis, rad.
+    pub theta_rad: f64,
+}
+
+/// One scan: a pose and one reading, or none, per bearing.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Scan {
+    /// Time since the start of the run, s.
+    pub time_s: f64,
+    /// Where the sensor stood.
+    pub pose: Pose,
+    /// Angle of every ray to the optical axis, rad, counter-clockwise.
+    pub bearings_rad: Vec<f64>,
+    /// The reading of every ray in the sensor's unit (px for disparity); `None` where it gave none.
+    pub readings: Vec<Option<f64>>,
+}
+
+/// One viewing ray of a scan.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ray {
+    /// Where the ray starts, m.
+    pub origin_m: [f64; 2],
+    /// Unit vector along the ray, in the frame of the map.
+    pub direction: [f64; 2],
+    /// Angle to the optical axis, rad.
+    pub bearing_rad: f64,
+    /// The reading, if there is one.
+    pub reading: Option<f64>,
+}
+
+impl Pose {
+    /// Position, m.
+    pub fn position_m(&self) -> [f64; 2] {
+        [self.x_m, self.y_m]
+    }
+
+    /// Unit vector of the ray at `bearing` (rad) to the optical axis.
+    pub fn direction(&self, bearing: f64) -> [f64; 2] {
+        let (sin, cos) = libm::sincos(self.theta_rad + bearing);
+        [cos, sin]
+    }
+}
+
+impl Scan {
+    /// The rays of the scan in order of their bearings.
+    pub fn rays(&self) -> impl ExactSizeIterator<Item = Ray> {
+        debug_assert_eq!(self.bearings_rad.len(), self.readings.len(), "one reading per bearing");
+        self.bearings_rad.iter().zip(&self.readings).map(|(&bearing_rad, &reading)| Ray {
+            origin_m: self.pose.position_m(),
+            direction: self.pose.direction(bearing_rad),
+            bearing_rad,
+            reading,
+        })
+    }
+}

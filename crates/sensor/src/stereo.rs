@@ -1,0 +1,197 @@
+//! The stereo camera of the paper: Eq. (21), Figures 6 and 7.
+
+use serde::{Deserialize, Serialize};
+
+use crate::{Placement, SensorModel, normal};
+
+/// A stereo camera as a sensor model: disparity is Gaussian about `focal_baseline / depth` with
+/// probability `correct_match`, otherwise uniform over `0 ..= max_disparity`.
+///
+/// Depth is range times the cosine of the bearing. A correct match whose noisy disparity would
+/// leave `0 ..= max_disparity` is no reading.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Stereo {
+    /// Focal length times baseline, px·m. The default, 15, gives the paper's examples: 10 px at the
+    /// 30th cell of 5 cm, 3 px at the 100th, 1 px at the 300th.
+    pub focal_baseline: f64,
+    /// Standard deviation of a correctly matched disparity, px. Default 0.5; the paper's Figure 6
+    /// gives no number.
+    pub disparity_sigma: f64,
+    /// `P(T)`, the probability of a correct match, 0 to 1. Default 0.8 (Section 3.1).
+    pub correct_match: f64,
+    /// Largest disparity searched, px. Default 60 (Section 3.1).
+    pub max_disparity: f64,
+}
+
+impl Default for Stereo {
+    fn default() -> Self {
+        Self { focal_baseline: 15.0, disparity_sigma: 0.5, correct_match: 0.8, max_disparity: 60.0 }
+    }
+}
+
+impl Stereo {
+    /// Noise-free disparity (px) of a point at `range` (m) on the ray at `bearing` (rad); infinite
+    /// at range 0 and behind the image plane.
+    pub fn disparity(&self, range: f64, bearing: f64) -> f64 {
+        let depth = range * libm::cos(bearing);
+        if depth > 0.0 { self.focal_baseline / depth } else { f64::INFINITY }
+    }
+
+    /// Range (m) at which a point on the ray at `bearing` (rad) has the given `disparity` (px).
+    pub fn range(&self, disparity: f64, bearing: f64) -> f64 {
+        self.focal_baseline / (disparity * libm::cos(bearing))
+    }
+
+    /// Disparity (px) at every range of one ray, infinite at range 0.
+    fn at_cosine(&self, range: f64, cosine: f64) -> f64 {
+        if range * cosine > 0.0 { self.focal_baseline / (range * cosine) } else { f64::INFINITY }
+    }
+}
+
+impl SensorModel for Stereo {
+    /// Eq. (21): `P(o | F_k) = P(T) g_k(o) + (1 - P(T)) / D`, in 1/px, where `g_k` is the Gaussian
+    /// averaged over the chord, uniformly in disparity. A kernel taken at the centre of a cell
+    /// would miss near readings: at 0.5 m a cell of 5 cm spans 3 px, six standard deviations.
+    fn likelihood(&self, reading: f64, bearing: f64, ranges: &[f64], likelihood: &mut [f64]) {
+        debug_assert_eq!(ranges.len(), likelihood.len() + 1);
+        let cosine = libm::cos(bearing);
+        let false_match = (1.0 - self.correct_match) / self.max_disparity;
+        let scale = self.correct_match / self.disparity_sigma;
+        let standardised = |range| (self.at_cosine(range, cosine) - reading) / self.disparity_sigma;
+        let mut near = standardised(ranges[0]);
+        for (l, &exit) in likelihood.iter_mut().zip(&ranges[1..]) {
+            let far = standardised(exit);
+            // A chord that starts at the sensor spans all disparities: nothing of it is matched.
+            let g = if near.is_finite() { normal::mean_density(far, near) } else { 0.0 };
+            *l = scale * g + false_match;
+            near = far;
+        }
+    }
+
+    fn correct_match(&self) -> f64 {
+        self.correct_match
+    }
+
+    fn placement(&self, reading: f64, half_width: f64, bearing: f64, enter: f64, exit: f64) -> Placement {
+        let cosine = libm::cos(bearing);
+        if self.at_cosine(exit, cosine) > reading + half_width {
+            Placement::Nearer
+        } else if self.at_cosine(enter, cosine) < reading - half_width {
+            Placement::Behind
+        } else {
+            Placement::Within
+        }
+    }
+
+    fn bin_probability(&self, reading: f64, half_width: f64, bearing: f64, enter: f64, exit: f64) -> f64 {
+        let cosine = libm::cos(bearing);
+        let [near, far] = [enter, exit].map(|r| self.at_cosine(r, cosine) / self.disparity_sigma);
+        if !near.is_finite() {
+            return 0.0;
+        }
+        let [low, high] = [reading - half_width, reading + half_width].map(|o| o / self.disparity_sigma);
+        let span = near - far;
+        if span < 1e-3 {
+            let middle = 0.5 * (near + far);
+            return normal::between(low - middle, high - middle);
+        }
+        // The mean over the chord's disparities d of Phi(high - d) - Phi(low - d).
+        let integral = |edge: f64| normal::cumulative_integral(edge - far) - normal::cumulative_integral(edge - near);
+        ((integral(high) - integral(low)) / span).clamp(0.0, 1.0)
+    }
+
+    fn false_match_probability(&self, half_width: f64) -> f64 {
+        2.0 * half_width / self.max_disparity
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const STEREO: Stereo =
+        Stereo { focal_baseline: 15.0, disparity_sigma: 0.5, correct_match: 0.8, max_disparity: 60.0 };
+
+    fn likelihood(reading: f64, bearing: f64, enter: f64, exit: f64) -> f64 {
+        let mut out = [0.0];
+        STEREO.likelihood(reading, bearing, &[enter, exit], &mut out);
+        out[0]
+    }
+
+    /// The chord's average by brute force: many points, uniform in disparity.
+    fn averaged(bearing: f64, enter: f64, exit: f64, f: impl Fn(f64) -> f64) -> f64 {
+        let [near, far] = [enter, exit].map(|r| STEREO.disparity(r, bearing));
+        let n = 20_000;
+        (0..n).map(|i| f(far + (near - far) * (f64::from(i) + 0.5) / f64::from(n))).sum::<f64>() / f64::from(n)
+    }
+
+    #[test]
+    fn the_papers_disparities() {
+        for (cell, disparity) in [(30.0, 10.0), (100.0, 3.0), (300.0, 1.0)] {
+            assert!((STEREO.disparity(cell * 0.05, 0.0) - disparity).abs() < 1e-12);
+        }
+        // Depth, not range: seen from the side the same range is a larger disparity.
+        assert!((STEREO.disparity(2.0, std::f64::consts::FRAC_PI_3) - 15.0).abs() < 1e-12);
+        assert!((STEREO.range(15.0, std::f64::consts::FRAC_PI_3) - 2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn limits() {
+        let floor = 0.2 / 60.0;
+        assert!((likelihood(10.0, 0.0, 9.0, 9.05) - floor).abs() < 1e-15, "far from the reading only false matches");
+        assert!((likelihood(10.0, 0.0, 0.0, 0.05) - floor).abs() < 1e-15, "the cell of the sensor matches nothing");
+        assert!((likelihood(10.0, 0.0, 0.0, 0.0) - floor).abs() < 1e-15, "nor does a chord without length there");
+        assert!((likelihood(10.0, 3.0, 1.5, 1.55) - floor).abs() < 1e-15, "nor a ray behind the image plane");
+        let peak = 0.8 / (0.5 * (2.0 * std::f64::consts::PI).sqrt()) + floor;
+        assert!((likelihood(10.0, 0.0, 1.5, 1.5) - peak).abs() < 1e-12);
+    }
+
+    #[test]
+    fn ends_in_the_middle_of_a_wide_chord() {
+        // At half a metre a cell spans six sigma: the reading is inside although its centre is far.
+        assert!(likelihood(28.0, 0.0, 0.5, 0.55) > 0.25 * 0.8);
+    }
+
+    proptest! {
+        #[test]
+        fn equals_the_average_over_the_chord(
+            reading in 0.0f64..60.0, bearing in -1.0f64..1.0, enter in 0.3f64..15.0, chord in 0.0f64..0.1,
+        ) {
+            let gaussian = |d: f64| (-0.5 * ((reading - d) / 0.5).powi(2)).exp() / (0.5 * (2.0 * std::f64::consts::PI).sqrt());
+            let expected = 0.8 * averaged(bearing, enter, enter + chord, gaussian) + 0.2 / 60.0;
+            prop_assert!((likelihood(reading, bearing, enter, enter + chord) - expected).abs() < 2e-6);
+        }
+
+        #[test]
+        fn integrates_to_one_over_the_readings(range in 0.4f64..6.0, chord in 0.001f64..0.1, bearing in -0.8f64..0.8) {
+            // Well inside 0 ..= 60 px no correct match is lost.
+            let d = STEREO.disparity(range, bearing);
+            prop_assume!(STEREO.disparity(range + chord, bearing) > 4.5 && d < 55.0);
+            let n = 60_000;
+            let sum: f64 = (0..n).map(|i| likelihood((f64::from(i) + 0.5) * 1e-3, bearing, range, range + chord)).sum();
+            prop_assert!((sum * 1e-3 - 1.0).abs() < 1e-6, "{}", sum * 1e-3);
+        }
+
+        #[test]
+        fn the_bin_is_the_integral_of_the_density(
+            reading in 0.0f64..40.0, half_width in 0.01f64..2.0, enter in 0.4f64..8.0, chord in 0.0f64..0.1,
+        ) {
+            let n = 2_000;
+            let step = 2.0 * half_width / f64::from(n);
+            let density = |o: f64| (likelihood(o, 0.0, enter, enter + chord) - 0.2 / 60.0) / 0.8;
+            let sum: f64 = (0..n).map(|i| density(reading - half_width + (f64::from(i) + 0.5) * step)).sum();
+            let bin = STEREO.bin_probability(reading, half_width, 0.0, enter, enter + chord);
+            prop_assert!((sum * step - bin).abs() < 1e-5, "{} {bin}", sum * step);
+        }
+
+        #[test]
+        fn placement_follows_the_interval(reading in 0.0f64..20.0, w in 0.0f64..2.0, enter in 0.0f64..20.0, chord in 0.0f64..0.1) {
+            let near = STEREO.disparity(enter, 0.0);
+            let far = STEREO.disparity(enter + chord, 0.0);
+            let expected = if far > reading + w { Placement::Nearer } else if near < reading - w { Placement::Behind } else { Placement::Within };
+            prop_assert_eq!(STEREO.placement(reading, w, 0.0, enter, enter + chord), expected);
+        }
+    }
+}
