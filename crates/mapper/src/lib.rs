@@ -1,1 +1,53 @@
-//! To come.
+//! Occupancy mappers behind one trait.
+//!
+//! A [`Mapper`] takes scans one by one and holds, for every cell, the probability that it is
+//! occupied. The paper's method keeps a [`PairwiseGrid`]: a marginal per cell and a joint
+//! probability per pair of neighbours. One update reads like the paper:
+//!
+//! | step | equations | function |
+//! |---|---|---|
+//! | the ray as a Markov chain of cells | Section 2.1, (11)-(13) | [`Chain::gather`] |
+//! | likelihood of the reading per first occupied cell | (21) | [`sensor::SensorModel::likelihood`] |
+//! | ... beyond the last cell | sum to infinity in (7) | [`beyond::likelihood`] |
+//! | posterior of every pair | (1)-(7) | [`exact::posterior`], [`printed::posterior`] |
+//! | agreement between rays | (18)-(20) | [`Moments`], [`PairwiseGrid::reconcile`] |
+//!
+//! [`catalogue`] lists every mapper by name. To add your own, implement [`Mapper`]: the example
+//! `own_mapper` does it in twenty lines.
+
+pub mod beyond;
+pub mod catalogue;
+mod chain;
+mod conventional;
+pub mod exact;
+mod moments;
+mod pairs;
+pub mod printed;
+mod prior;
+mod reconcile;
+mod visibility;
+
+pub use chain::{Chain, RayPosterior};
+pub use conventional::Conventional;
+pub use moments::Moments;
+pub use pairs::{Broken, Joint, PairwiseGrid};
+pub use prior::{CorrelationLaw, Prior};
+pub use reconcile::Reconciliation;
+pub use visibility::{RayRule, Visibility};
+
+use grid::Raster;
+use sensor::Scan;
+
+/// Smallest distance that a probability keeps from 0 and 1, so that no cell is ever beyond
+/// evidence: a cell held free at 1e-6 is held occupied again after three clear readings.
+pub const EPSILON: f64 = 1e-6;
+
+/// A rule that turns scans into a map.
+pub trait Mapper: Send {
+    /// Updates the map with one scan. Rays without a reading, and rays that start outside the map,
+    /// say nothing.
+    fn integrate(&mut self, scan: &Scan);
+
+    /// Probability, 0 to 1, that each cell is occupied, given the scans so far.
+    fn occupancy(&self) -> &Raster<f64>;
+}

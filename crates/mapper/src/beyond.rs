@@ -1,0 +1,134 @@
+//! Beyond the last cell of a ray the world goes on.
+
+use sensor::SensorModel;
+
+/// The chain past the end of a ray: cells of one chord length, each of which begins an obstacle
+/// with the same probability.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Beyond {
+    /// Range at which the ray leaves its last cell, m.
+    pub from_m: f64,
+    /// Length of the ray in each further cell, m; above 0.
+    pub chord_m: f64,
+    /// `u0 = P(E_{j+1} | not E_j)` of an unseen world.
+    pub onset: f64,
+}
+
+/// Probability mass down to which cells are taken one by one ...
+const FINE: f64 = 1e-9;
+
+/// ... and that is left to the last chord looked at.
+const REST: f64 = 1e-15;
+
+/// At most so many cells are taken one by one: more than the 1,600 that the paper's prior needs at 5 cm.
+const ONE_BY_ONE: usize = 4096;
+
+/// After that, a chord may be this share of its range: the sensor can hardly tell its ends apart,
+/// and a world with next to no obstacles still comes to an end.
+const COARSE: f64 = 0.002;
+
+/// Chords per call of the sensor model.
+const BLOCK: usize = 64;
+
+/// Chords after which the range has grown a millionfold and the likelihood no longer changes.
+const MOST: usize = ONE_BY_ONE + 108 * BLOCK;
+
+/// `P(o | no cell of the ray is occupied)`, per unit of the reading: the hit lies in the m-th further
+/// cell with probability `u0 (1 - u0)^m`. It closes the sum to infinity in Eq. (7).
+///
+/// The chain is followed cell by cell until a mass of 1e-9 is left, and in longer steps after that.
+pub fn likelihood(sensor: &(impl SensorModel + ?Sized), reading: f64, bearing: f64, beyond: &Beyond) -> f64 {
+    let mut ranges = [beyond.from_m; BLOCK + 1];
+    let mut hits = [0.0; BLOCK];
+    let mut likelihood = [0.0; BLOCK];
+    let (mut ahead, mut mass, mut sum) = (1.0, 1.0, 0.0);
+    for block in (0..MOST).step_by(BLOCK) {
+        ranges[0] = if block == 0 { beyond.from_m } else { ranges[BLOCK] };
+        for k in 0..BLOCK {
+            let fine = block + k < ONE_BY_ONE && ahead > FINE;
+            let cells = if fine { 1.0 } else { libm::ceil(COARSE * ranges[k] / beyond.chord_m) };
+            ranges[k + 1] = ranges[k] + cells * beyond.chord_m;
+            hits[k] = beyond.hit(cells);
+            ahead *= 1.0 - hits[k];
+        }
+        sensor.likelihood(reading, bearing, &ranges, &mut likelihood);
+        for (hit, l) in hits.iter().zip(likelihood) {
+            if mass < REST || beyond.onset <= 0.0 {
+                return sum + mass * l;
+            }
+            sum += mass * hit * l;
+            mass *= 1.0 - hit;
+        }
+    }
+    sum + mass * likelihood[BLOCK - 1]
+}
+
+impl Beyond {
+    /// Probability that an obstacle begins within so many cells, `1 - (1 - u0)^cells`.
+    fn hit(&self, cells: f64) -> f64 {
+        if cells > 1.0 { -libm::expm1(cells * libm::log1p(-self.onset)) } else { self.onset }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sensor::Stereo;
+
+    /// The sum, cell by cell, until nothing is left.
+    fn slow(reading: f64, beyond: &Beyond) -> f64 {
+        let mut sum = 0.0;
+        let mut mass = 1.0;
+        let mut range = beyond.from_m;
+        while mass > 1e-14 {
+            let mut l = [0.0];
+            Stereo::default().likelihood(reading, 0.1, &[range, range + beyond.chord_m], &mut l);
+            sum += mass * beyond.onset * l[0];
+            mass *= 1.0 - beyond.onset;
+            range += beyond.chord_m;
+        }
+        sum
+    }
+
+    #[test]
+    fn equals_the_slow_sum() {
+        for reading in [0.0, 0.4, 1.0, 2.5, 10.0, 60.0] {
+            for (from_m, onset) in [(0.7, 0.0129), (3.0, 0.1), (8.0, 0.0129), (30.0, 0.5)] {
+                let beyond = Beyond { from_m, chord_m: 0.05, onset };
+                let fast = likelihood(&Stereo::default(), reading, 0.1, &beyond);
+                assert!((fast / slow(reading, &beyond) - 1.0).abs() < 2e-9, "{reading} {beyond:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_world_without_obstacles_ends_at_once() {
+        let beyond = Beyond { from_m: 5.0, chord_m: 0.05, onset: 0.0 };
+        assert!(likelihood(&Stereo::default(), 3.0, 0.0, &beyond) > 0.0);
+    }
+
+    #[test]
+    fn a_world_with_next_to_no_obstacles_ends_too() {
+        let beyond = Beyond { from_m: 5.0, chord_m: 0.05, onset: 1e-12 };
+        let l = likelihood(&Stereo::default(), 0.0, 0.0, &beyond);
+        let mut far = [0.0];
+        Stereo::default().likelihood(0.0, 0.0, &[1e9, 2e9], &mut far);
+        assert!((l / far[0] - 1.0).abs() < 1e-6, "{l} {far:?}");
+    }
+
+    #[test]
+    fn coarse_chords_are_as_good_as_cells() {
+        let beyond = Beyond { from_m: 5.0, chord_m: 0.002, onset: 5e-4 };
+        for reading in [0.0, 1.0, 2.5] {
+            let l = likelihood(&Stereo::default(), reading, 0.1, &beyond);
+            assert!((l / slow(reading, &beyond) - 1.0).abs() < 1e-5, "{reading}");
+        }
+    }
+
+    #[test]
+    fn where_only_false_matches_are_left_it_is_their_density() {
+        let beyond = Beyond { from_m: 5.0, chord_m: 0.05, onset: 0.0129 };
+        let l = likelihood(&Stereo::default(), 40.0, 0.0, &beyond);
+        assert!((l - 0.2 / 60.0).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,61 @@
+//! Every mapper by name.
+
+use std::sync::Arc;
+
+use grid::GridSpec;
+use sensor::SensorModel;
+
+use crate::{Conventional, Mapper, Prior, Reconciliation, Visibility};
+
+/// What a mapper is made from.
+#[derive(Clone)]
+pub struct Setup {
+    /// The cells to map.
+    pub grid: GridSpec,
+    /// The sensor that the mapper believes it has.
+    pub sensor: Arc<dyn SensorModel>,
+    /// What is believed before the first reading.
+    pub prior: Prior,
+    /// What becomes of edges that no ray runs along.
+    pub reconciliation: Reconciliation,
+}
+
+/// A mapper that can be asked for by name.
+#[derive(Clone, Copy)]
+pub struct Entry {
+    /// The name on the command line and in every table.
+    pub name: &'static str,
+    /// One line for a list.
+    pub summary: &'static str,
+    /// Where it is defined.
+    pub source: &'static str,
+    /// Makes one.
+    pub build: fn(&Setup) -> Box<dyn Mapper>,
+}
+
+/// The mappers of this crate, the paper's method first.
+pub const MAPPERS: &[Entry] = &[
+    Entry {
+        name: "visibility",
+        summary: "the paper's method: occlusion and continuity, summed exactly",
+        source: "Eqs. (1)-(7), (18)-(20)",
+        build: |setup| Box::new(Visibility::exact(setup)),
+    },
+    Entry {
+        name: "visibility-printed",
+        summary: "the same with Eqs. (4)-(17) as the paper prints them",
+        source: "Eqs. (4)-(17), (18)-(20)",
+        build: |setup| Box::new(Visibility::as_printed(setup)),
+    },
+    Entry {
+        name: "conventional",
+        summary: "every cell for itself: no occlusion, no continuity",
+        source: "Eqs. (22)-(26)",
+        build: |setup| Box::new(Conventional::new(setup)),
+    },
+];
+
+/// The mapper of the given name.
+pub fn find(name: &str) -> Option<&'static Entry> {
+    MAPPERS.iter().find(|entry| entry.name == name)
+}

@@ -1,0 +1,131 @@
+//! The rule in use today, as the paper states it: every cell for itself, Eqs. (22)-(26).
+
+use std::sync::Arc;
+
+use grid::{DigitalLine, Raster};
+use sensor::{Placement, Scan, SensorModel};
+
+use crate::{EPSILON, Mapper, catalogue::Setup};
+
+/// The conventional occupancy update: neither occlusion nor continuity. O(cells up to the reading)
+/// per ray.
+///
+/// Cells whose interval of readings meets `o ± w` count as seen occupied, Eqs. (23) and (24); nearer
+/// cells as seen free, Eqs. (25) and (26); cells behind are left alone. The densities of the paper
+/// become probabilities of the bin `o ± w`, so that (23) and (24) compare like with like.
+pub struct Conventional {
+    occupancy: Raster<f64>,
+    sensor: Arc<dyn SensorModel>,
+    half_width: f64,
+    line: DigitalLine,
+}
+
+impl Conventional {
+    /// `w`: half the bin of a reading, in the reading's unit: 0.5 px.
+    pub const HALF_WIDTH: f64 = 0.5;
+
+    /// The unseen map.
+    pub fn new(setup: &Setup) -> Self {
+        Self {
+            occupancy: Raster::filled(setup.grid, setup.prior.marginal()),
+            sensor: Arc::clone(&setup.sensor),
+            half_width: Self::HALF_WIDTH,
+            line: DigitalLine::default(),
+        }
+    }
+
+    /// Likelihoods of the reading if the cell in the chord `enter ..= exit` (m) is occupied and if
+    /// it is free; none for a cell behind the reading.
+    fn likelihoods(&self, reading: f64, bearing: f64, enter: f64, exit: f64) -> Option<[f64; 2]> {
+        let correct = self.sensor.correct_match();
+        let bin = || self.sensor.bin_probability(reading, self.half_width, bearing, enter, exit);
+        match self.sensor.placement(reading, self.half_width, bearing, enter, exit) {
+            Placement::Within => {
+                let false_match = self.sensor.false_match_probability(self.half_width);
+                let occupied = correct * bin() + (1.0 - correct) * false_match; // Eqs. (21), (23)
+                Some([occupied, 1.0 - correct]) // Eq. (24)
+            }
+            Placement::Nearer => Some([1.0 - correct, correct * (1.0 - bin())]), // Eqs. (25), (26)
+            Placement::Behind => None,
+        }
+    }
+}
+
+impl Mapper for Conventional {
+    fn integrate(&mut self, scan: &Scan) {
+        for ray in scan.rays() {
+            let Some(reading) = ray.reading else { continue };
+            self.line.trace(self.occupancy.spec(), ray.origin_m, ray.direction, f64::INFINITY);
+            for (k, &cell) in self.line.cells().iter().enumerate() {
+                let (enter, exit) = (self.line.ranges()[k], self.line.ranges()[k + 1]);
+                let Some(likelihoods) = self.likelihoods(reading, ray.bearing_rad, enter, exit) else { break };
+                self.occupancy[cell] = bayes(self.occupancy[cell], likelihoods);
+            }
+        }
+    }
+
+    fn occupancy(&self) -> &Raster<f64> {
+        &self.occupancy
+    }
+}
+
+/// Eq. (22), kept off 0 and 1. Likelihoods that are both zero say nothing.
+fn bayes(p: f64, [occupied, free]: [f64; 2]) -> f64 {
+    let (yes, no) = (occupied * p, free * (1.0 - p));
+    if yes + no > 0.0 { (yes / (yes + no)).clamp(EPSILON, 1.0 - EPSILON) } else { p }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Prior;
+    use grid::GridSpec;
+    use sensor::{Pose, Stereo};
+
+    fn setup(width: usize) -> Setup {
+        let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width, height: 1 };
+        Setup { grid, sensor: Arc::new(Stereo::default()), prior: Prior::default(), reconciliation: Default::default() }
+    }
+
+    fn scan(reading: f64) -> Scan {
+        let pose = Pose { x_m: 0.0, y_m: 0.025, theta_rad: 0.0 };
+        Scan { time_s: 0.0, pose, bearings_rad: vec![0.0], readings: vec![Some(reading)] }
+    }
+
+    #[test]
+    fn one_reading_of_ten_pixels_by_hand() {
+        let mut mapper = Conventional::new(&setup(60));
+        mapper.integrate(&scan(10.0));
+        let p = mapper.occupancy().values();
+        // Cell 10 lies at 0.5 m, 27 to 30 px: nearer. Eqs. (25), (26) with an empty bin.
+        assert!((p[10] - 0.1 * 0.2 / (0.1 * 0.2 + 0.9 * 0.8)).abs() < 1e-12);
+        // Cell 30 begins at 1.5 m, 10 px, and spans 0.32 px: Eqs. (23), (24). The bin holds
+        // Phi(1) - Phi(-1) = 0.6827 at 10 px, and a little less over the chord.
+        let bin = Stereo::default().bin_probability(10.0, 0.5, 0.0, 1.5, 1.55);
+        assert!(bin < 0.6827 && bin > 0.65);
+        let occupied = 0.8 * bin + 0.2 / 60.0;
+        assert!((p[30] - 0.1 * occupied / (0.1 * occupied + 0.9 * 0.2)).abs() < 1e-12);
+        // Cells from 15 / 9.5 = 1.579 m on are behind.
+        assert!((p[32] - 0.1).abs() < 1e-15);
+        assert!((p[31] - 0.1).abs() > 1e-3, "1.55 m is still within");
+    }
+
+    #[test]
+    fn readings_by_the_thousand_stay_off_zero_and_one() {
+        let mut mapper = Conventional::new(&setup(60));
+        for _ in 0..5000 {
+            mapper.integrate(&scan(10.0));
+        }
+        assert!(mapper.occupancy().values().iter().all(|p| (EPSILON..=1.0 - EPSILON).contains(p)));
+    }
+
+    #[test]
+    fn certain_sensors_do_not_divide_by_zero() {
+        for correct_match in [0.0, 1.0] {
+            let sensor = Stereo { correct_match, ..Stereo::default() };
+            let mut mapper = Conventional::new(&Setup { sensor: Arc::new(sensor), ..setup(60) });
+            mapper.integrate(&scan(10.0));
+            assert!(mapper.occupancy().values().iter().all(|p| p.is_finite()));
+        }
+    }
+}

@@ -1,0 +1,163 @@
+//! The oracle of the reconciliation: Eq. (20) under Eqs. (18) and (19) as a dense linear system.
+
+use grid::GridSpec;
+use mapper::{Joint, Moments, PairwiseGrid, Prior, RayPosterior, Reconciliation};
+use nalgebra::{DMatrix, DVector};
+use proptest::prelude::*;
+
+/// One conflicting posterior `P*` of the pair of cells (a, b).
+#[derive(Debug, Clone)]
+struct Claim {
+    a: usize,
+    b: usize,
+    joint: Joint,
+}
+
+/// Minimises the sum of squares over the claims by Lagrange's method: unknown are the four joint
+/// probabilities of every pair named by a claim, `P(e_a, e_b)` in the order EE, EF, FE, FF.
+fn kkt(claims: &[Claim]) -> Vec<((usize, usize), Joint)> {
+    let mut edges: Vec<(usize, usize)> = claims.iter().map(|c| (c.a, c.b)).collect();
+    edges.sort_unstable();
+    edges.dedup();
+    let column = |edge: (usize, usize)| 4 * edges.binary_search(&edge).expect("known edge");
+    let mut constraints: Vec<(Vec<(usize, f64)>, f64)> = Vec::new();
+    for &edge in &edges {
+        constraints.push(((0..4).map(|s| (column(edge) + s, 1.0)).collect(), 1.0)); // (18)
+    }
+    // (19): all pairs that share a cell give it the same marginal.
+    let marginal = |edge: (usize, usize), cell: usize, sign: f64| {
+        let states = if edge.0 == cell { [0, 1] } else { [0, 2] };
+        states.map(|s| (column(edge) + s, sign))
+    };
+    let mut first_of = std::collections::BTreeMap::new();
+    for &edge in &edges {
+        for cell in [edge.0, edge.1] {
+            if let Some(&other) = first_of.get(&cell) {
+                constraints.push(([marginal(edge, cell, 1.0), marginal(other, cell, -1.0)].concat(), 0.0));
+            } else {
+                first_of.insert(cell, edge);
+            }
+        }
+    }
+    let n = 4 * edges.len();
+    let size = n + constraints.len();
+    let mut matrix = DMatrix::<f64>::zeros(size, size);
+    let mut right = DVector::<f64>::zeros(size);
+    for claim in claims {
+        let base = column((claim.a, claim.b));
+        let Joint { ee, ef, fe, ff } = claim.joint;
+        for (s, p) in [ee, ef, fe, ff].into_iter().enumerate() {
+            matrix[(base + s, base + s)] += 2.0;
+            right[base + s] += 2.0 * p;
+        }
+    }
+    for (row, (terms, value)) in constraints.iter().enumerate() {
+        for &(col, coefficient) in terms {
+            matrix[(n + row, col)] = coefficient;
+            matrix[(col, n + row)] = coefficient;
+        }
+        right[n + row] = *value;
+    }
+    let solution = matrix.full_piv_lu().solve(&right).expect("the constraints are independent");
+    edges
+        .iter()
+        .map(|&edge| {
+            let base = column(edge);
+            let [ee, ef, fe, ff] = [0, 1, 2, 3].map(|s| solution[base + s]);
+            (edge, Joint { ee, ef, fe, ff })
+        })
+        .collect()
+}
+
+const SPEC: GridSpec = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: 4, height: 3 };
+
+/// A 4-connected walk over the grid and a joint for each of its steps, each nearly independent, so
+/// that no clamp acts and least squares alone is compared.
+fn walks() -> impl Strategy<Value = Vec<(Vec<usize>, Vec<Joint>)>> {
+    let joint = (0.3f64..0.7, 0.3f64..0.7, -0.05f64..0.05).prop_map(|(p, q, d)| Joint::new(p, q, p * q + d));
+    let walk = (0usize..4, 0usize..3, prop::collection::vec((any::<bool>(), joint), 1..6)).prop_map(|(x, y, steps)| {
+        let (mut column, mut row) = (x, y);
+        let mut cells = vec![SPEC.index(column, row)];
+        let mut joints = Vec::new();
+        for (right, joint) in steps {
+            if right && column + 1 < SPEC.width {
+                column += 1;
+            } else if row + 1 < SPEC.height {
+                row += 1;
+            } else {
+                break;
+            }
+            cells.push(SPEC.index(column, row));
+            joints.push(joint);
+        }
+        (cells, joints)
+    });
+    prop::collection::vec(walk, 1..5).prop_filter("some pair", |w| w.iter().any(|(_, joints)| !joints.is_empty()))
+}
+
+fn reconciled(walks: &[(Vec<usize>, Vec<Joint>)], rule: Reconciliation) -> PairwiseGrid {
+    let mut pairs = PairwiseGrid::prior(SPEC, &Prior { occupancy: 0.5, correlation: 0.1, ..Prior::default() });
+    let mut moments = Moments::new(SPEC);
+    for (cells, joints) in walks.iter().filter(|(_, joints)| !joints.is_empty()) {
+        let mut posterior = RayPosterior::default();
+        posterior.pairs.clone_from(joints);
+        moments.add(cells, &posterior);
+    }
+    pairs.reconcile(&mut moments, rule);
+    pairs.check().expect("valid");
+    pairs
+}
+
+fn claims(walks: &[(Vec<usize>, Vec<Joint>)]) -> Vec<Claim> {
+    let steps = walks.iter().flat_map(|(cells, joints)| cells.windows(2).zip(joints));
+    steps.map(|(cells, &joint)| Claim { a: cells[0], b: cells[1], joint }).collect()
+}
+
+fn compare(pairs: &PairwiseGrid, oracle: &[((usize, usize), Joint)]) -> Result<(), TestCaseError> {
+    for ((a, b), expected) in oracle {
+        let got = pairs.joint(*a, *b);
+        for (g, e) in [(got.ee, expected.ee), (got.ef, expected.ef), (got.fe, expected.fe), (got.ff, expected.ff)] {
+            prop_assert!((g - e).abs() < 1e-12, "cells {a} and {b}: {g} against {e}");
+        }
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn touched_edges_solve_the_constrained_least_squares(walks in walks()) {
+        compare(&reconciled(&walks, Reconciliation::Touched), &kkt(&claims(&walks)))?;
+    }
+
+    #[test]
+    fn all_edges_solve_it_with_the_joints_of_silent_edges(walks in walks()) {
+        let mut all = claims(&walks);
+        let unseen = PairwiseGrid::prior(SPEC, &Prior { occupancy: 0.5, correlation: 0.1, ..Prior::default() });
+        for cell in 0..SPEC.cells() {
+            for n in SPEC.neighbours(cell).filter(|n| n.cell > cell) {
+                if !all.iter().any(|c| (c.a, c.b) == (cell, n.cell)) {
+                    all.push(Claim { a: cell, b: n.cell, joint: unseen.joint(cell, n.cell) });
+                }
+            }
+        }
+        compare(&reconciled(&walks, Reconciliation::AllEdges), &kkt(&all))?;
+    }
+
+    #[test]
+    fn silent_edges_keep_their_correlation(walks in walks()) {
+        let pairs = reconciled(&walks, Reconciliation::Touched);
+        let on_rays = claims(&walks);
+        for cell in 0..SPEC.cells() {
+            for n in SPEC.neighbours(cell).filter(|n| n.cell > cell) {
+                if !on_rays.iter().any(|c| (c.a, c.b) == (cell, n.cell)) {
+                    let joint = pairs.joint(cell, n.cell);
+                    let (p, q) = (joint.first(), joint.second());
+                    let c = (joint.ee - p * q) / (p * (1.0 - p) * q * (1.0 - q)).sqrt();
+                    prop_assert!((c - 0.1).abs() < 1e-12, "{c}");
+                }
+            }
+        }
+    }
+}
