@@ -8,10 +8,12 @@
 //! - [`DigitalLine`] lists the cells that a viewing ray crosses, 4-connected, with the range at
 //!   which it enters and leaves each (Figure 2 of the paper).
 //! - [`Raster`] is one value per cell; [`npy`] writes it for numpy.
+//! - [`ros_map`] reads the maps that robots save, as ROS map_server does.
 
 mod line;
 pub mod npy;
 mod raster;
+pub mod ros_map;
 mod spec;
 
 pub use line::DigitalLine;

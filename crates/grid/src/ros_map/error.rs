@@ -1,0 +1,121 @@
+//! What can be wrong with a map's files.
+
+use std::fmt;
+use std::io;
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+/// A place in a text file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Place {
+    /// The file.
+    pub path: PathBuf,
+    /// Line, from 1.
+    pub line: u64,
+    /// Character within the line, from 1.
+    pub column: u64,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}:{}", self.path.display(), self.line, self.column)
+    }
+}
+
+/// Why a map cannot be read. Every message is one line: place, value, bound, what to do.
+#[derive(Debug, Error)]
+pub enum RosMapError {
+    /// A file cannot be opened or read.
+    #[error("{}: cannot be read: {source}; check the path and the permissions", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system reports.
+        source: io::Error,
+    },
+    /// The description is no text, or far too long.
+    #[error("{}: is not a map description: {problem}; give the YAML file, not the image", path.display())]
+    NotADescription {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        problem: String,
+    },
+    /// The description is not YAML, or a value has the wrong form.
+    #[error("{place}: {problem}; write one `key: value` per line, as map_server does")]
+    Syntax {
+        /// Where.
+        place: Place,
+        /// What the parser reports.
+        problem: String,
+    },
+    /// A key is not there.
+    #[error("{}: the key `{key}` is missing; add {example}", path.display())]
+    MissingKey {
+        /// The description.
+        path: PathBuf,
+        /// The key.
+        key: &'static str,
+        /// A line to add.
+        example: &'static str,
+    },
+    /// A value is out of its range.
+    #[error("{place}: {key} = {value}: must be {bound}; {remedy}")]
+    Value {
+        /// Where.
+        place: Place,
+        /// The key.
+        key: &'static str,
+        /// The value, as it stands in the file.
+        value: String,
+        /// What it must be.
+        bound: String,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// The image is neither where the description says nor beside it.
+    #[error(
+        "{place}: image = {value}: no such file, tried {}; put the image beside the YAML file or correct its name",
+        listed(tried)
+    )]
+    NoImage {
+        /// Where it is named.
+        place: Place,
+        /// The name in the description.
+        value: String,
+        /// Where it was looked for.
+        tried: Vec<PathBuf>,
+    },
+    /// The image is damaged or of a kind that is not read.
+    #[error("{}: cannot be read as a PGM or PNG image: {problem}; save the map again or convert it to one of the two", path.display())]
+    DamagedImage {
+        /// The image.
+        path: PathBuf,
+        /// What the decoder reports.
+        problem: String,
+    },
+    /// The image has no pixels, or too many.
+    #[error("{}: {width} x {height} pixels: must be at least 1 and at most {limit} in all; save the map again, cropped or with larger pixels", path.display())]
+    ImageSize {
+        /// The image.
+        path: PathBuf,
+        /// Pixels along x.
+        width: u32,
+        /// Pixels along y.
+        height: u32,
+        /// The largest number of pixels.
+        limit: u64,
+    },
+}
+
+impl RosMapError {
+    /// Whether the system, not the content of the files, is at fault.
+    pub fn is_io(&self) -> bool {
+        matches!(self, Self::Unreadable { .. })
+    }
+}
+
+fn listed(paths: &[PathBuf]) -> String {
+    paths.iter().map(|p| p.display().to_string()).collect::<Vec<_>>().join(" and ")
+}
