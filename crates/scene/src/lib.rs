@@ -1,1 +1,31 @@
-//! To come.
+//! Scene files, the simulated world, the robot's drive, readings and ground truth.
+//!
+//! A [`Scene`] is read from a TOML file (its form: README.md of this crate) and is valid once it
+//! exists: every check is made at that one door, and every problem is a [`SceneError`] with file,
+//! line and column. From a scene follow
+//!
+//! - [`World`], in which parry casts rays: [`World::cast`];
+//! - [`drive`], in which rapier moves the robot along the route and finds what blocks it;
+//! - [`simulate`], which gives the readings of a seed, whatever the number of threads;
+//! - [`truth`], the cells that are really occupied.
+//!
+//! Lengths are in metres, angles in radians, counter-clockwise from the x axis.
+
+mod drive;
+mod error;
+mod file;
+mod geometry;
+mod memory;
+mod scene;
+mod shape;
+mod simulate;
+mod truth;
+mod world;
+
+pub use drive::{Drive, TimedPose, drive};
+pub use error::{ErrorKind, Place, Problem, SceneError};
+pub use scene::{Area, Obstacle, Origin, Region, Robot, Scene, StagePlan, Stop, Waypoint};
+pub use shape::Shape;
+pub use simulate::{SimulatedScan, Simulation, Stage, simulate};
+pub use truth::truth;
+pub use world::{Hit, World};

@@ -1,1 +1,41 @@
-//! To come.
+#![doc = include_str!("../README.md")]
+//!
+//! # Where things are
+//!
+//! - [`Sightings`] turns noise-free casts ([`Sight`]) into the masks of every [`Region`].
+//! - [`Scorer`] compares a map with the truth over a mask and gives [`Scores`], a list of [`Metric`]s.
+//! - [`log_loss`] is the one metric cheap enough for every scan; [`reliability`] is the diagram
+//!   behind the calibration error.
+//! - [`Retention`] follows free space from scan to scan.
+//! - [`Summary`] is the spread of a metric over seeds.
+//! - [`threshold`] holds the probabilities at which a map is taken at its word.
+//!
+//! Sums run in index order, logarithms come from `libm`: the same input gives the same bytes.
+
+mod calibration;
+mod error;
+mod judged;
+mod log_loss;
+mod metric;
+mod ranking;
+mod region;
+mod retention;
+mod scorer;
+mod scores;
+mod sight;
+mod summary;
+pub mod threshold;
+
+pub use calibration::{BINS, Bin, reliability};
+pub use error::ScoreError;
+pub use log_loss::log_loss;
+pub use metric::Metric;
+pub use region::Region;
+pub use retention::Retention;
+pub use scorer::Scorer;
+pub use scores::Scores;
+pub use sight::{NUDGE_M, SHELL_DEPTH_M, Sight, Sightings};
+pub use summary::Summary;
+
+#[cfg(test)]
+mod drawing;

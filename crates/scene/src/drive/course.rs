@@ -1,0 +1,115 @@
+//! Time and pose along a route of turns and straight lines, with scans at even intervals.
+
+use std::f64::consts::{PI, TAU};
+
+use sensor::Pose;
+
+use super::TimedPose;
+use crate::geometry::{distance, minus};
+
+/// Times nearer than this are the same moment, s.
+const MOMENT_S: f64 = 1e-9;
+
+/// A robot under way.
+pub(super) struct Course {
+    time_s: f64,
+    pose: Pose,
+    interval_s: f64,
+    /// The scans come at `since_s + k * interval_s`, so that errors do not add up.
+    since_s: f64,
+    k: f64,
+    poses: Vec<TimedPose>,
+}
+
+impl Course {
+    /// Stands at `at` (m), looks along `theta_rad` and makes the first scan.
+    pub(super) fn start([x_m, y_m]: [f64; 2], theta_rad: f64, interval_s: f64) -> Self {
+        let pose = Pose { x_m, y_m, theta_rad };
+        Self { time_s: 0.0, pose, interval_s, since_s: 0.0, k: 1.0, poses: vec![TimedPose { time_s: 0.0, pose }] }
+    }
+
+    pub(super) fn poses(&self) -> &[TimedPose] {
+        &self.poses
+    }
+
+    pub(super) fn into_poses(self) -> Vec<TimedPose> {
+        self.poses
+    }
+
+    /// Turns on the spot to `theta_rad`, the short way, at `rate` rad/s.
+    pub(super) fn turn(&mut self, theta_rad: f64, rate: f64) {
+        let from = self.pose.theta_rad;
+        let turn = turn_between(from, theta_rad);
+        let duration_s = turn.abs() / rate;
+        let began_s = self.time_s;
+        while let Some(due_s) = self.due_before(began_s + duration_s) {
+            let part = ((due_s - began_s) / duration_s).clamp(0.0, 1.0);
+            self.pose.theta_rad = wrapped(from + part * turn);
+            self.scan(due_s);
+        }
+        self.time_s = began_s + duration_s;
+        self.pose.theta_rad = theta_rad;
+    }
+
+    /// Drives straight to `to` (m) at `speed` m/s. `step` moves the robot from a place by a wish and
+    /// says where it came to.
+    pub(super) fn straight<E>(
+        &mut self,
+        to: [f64; 2],
+        speed: f64,
+        step: impl Fn([f64; 2], [f64; 2]) -> Result<[f64; 2], E>,
+    ) -> Result<(), E> {
+        let from = self.pose.position_m();
+        let duration_s = distance(from, to) / speed;
+        let began_s = self.time_s;
+        let go = |course: &mut Self, part: f64| {
+            let here = course.pose.position_m();
+            let plan = [0, 1].map(|k| from[k] + part * (to[k] - from[k]));
+            let [x_m, y_m] = step(here, minus(plan, here))?;
+            course.pose = Pose { x_m, y_m, ..course.pose };
+            Ok(())
+        };
+        while let Some(due_s) = self.due_before(began_s + duration_s) {
+            go(self, ((due_s - began_s) / duration_s).clamp(0.0, 1.0))?;
+            self.scan(due_s);
+        }
+        go(self, 1.0)?;
+        self.time_s = began_s + duration_s;
+        Ok(())
+    }
+
+    /// Scans now, unless the last scan was just made here, and counts the interval from now.
+    pub(super) fn scan_on_arrival(&mut self) {
+        let just_made = self.poses.last().is_some_and(|last| self.time_s - last.time_s < MOMENT_S);
+        if !just_made {
+            self.poses.push(TimedPose { time_s: self.time_s, pose: self.pose });
+        }
+        (self.since_s, self.k) = (self.time_s, 1.0);
+    }
+
+    /// The time of the next scan, if it comes before `end_s`.
+    fn due_before(&self, end_s: f64) -> Option<f64> {
+        Some(self.since_s + self.k * self.interval_s).filter(|due_s| *due_s < end_s - MOMENT_S)
+    }
+
+    fn scan(&mut self, time_s: f64) {
+        self.poses.push(TimedPose { time_s, pose: self.pose });
+        self.k += 1.0;
+    }
+}
+
+/// The short way round from one heading to another, rad, in -pi ..= pi.
+pub(super) fn turn_between(from: f64, to: f64) -> f64 {
+    wrapped(to - from)
+}
+
+fn wrapped(angle: f64) -> f64 {
+    let angle = libm::fmod(angle, TAU);
+    if angle > PI {
+        angle - TAU
+    } else if angle < -PI {
+        angle + TAU
+    } else {
+        angle
+    }
+}

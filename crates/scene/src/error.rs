@@ -1,0 +1,177 @@
+//! What can be wrong with a scene.
+
+use std::fmt;
+use std::io;
+
+use grid::GridError;
+use grid::ros_map::RosMapError;
+use thiserror::Error;
+
+/// A place in a scene file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Place {
+    /// The file as the caller named it.
+    pub file: String,
+    /// Line, from 1.
+    pub line: usize,
+    /// Character within the line, from 1.
+    pub column: usize,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}:{}", self.file, self.line, self.column)
+    }
+}
+
+/// Why there is no scene, or no drive through it. Every message is one line: place, value, bound, what to do.
+#[derive(Debug, Error)]
+pub enum SceneError {
+    /// The scene file cannot be opened or read.
+    #[error("{file}: cannot be read: {source}; check the path and the permissions")]
+    Unreadable {
+        /// The file as the caller named it.
+        file: String,
+        /// What the system reports.
+        source: io::Error,
+    },
+    /// The file's content is wrong.
+    #[error("{place}: {problem}")]
+    Invalid {
+        /// Where.
+        place: Place,
+        /// What is wrong.
+        problem: Box<Problem>,
+    },
+}
+
+/// What a [`SceneError`] comes from, for exit codes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ErrorKind {
+    /// A name or a content that the user can correct.
+    BadInput,
+    /// The system could not read a file that is there.
+    Io,
+}
+
+impl SceneError {
+    /// What the error comes from.
+    pub fn kind(&self) -> ErrorKind {
+        let system = |source: &io::Error| {
+            let named_wrong = [io::ErrorKind::NotFound, io::ErrorKind::IsADirectory, io::ErrorKind::NotADirectory];
+            !named_wrong.contains(&source.kind())
+        };
+        let io = match self {
+            Self::Unreadable { source, .. } => system(source),
+            Self::Invalid { problem, .. } => match &**problem {
+                Problem::Map(RosMapError::Unreadable { source, .. }) => system(source),
+                _ => false,
+            },
+        };
+        if io { ErrorKind::Io } else { ErrorKind::BadInput }
+    }
+}
+
+/// What is wrong with the content of a scene file. `element` names its part, such as `box 3`.
+#[derive(Debug, Error)]
+#[allow(missing_docs)] // The fields are what the messages say.
+pub enum Problem {
+    /// Not a text file.
+    #[error("{0}; a scene is a TOML text of at most 16 MiB in UTF-8")]
+    NotText(String),
+    /// Not TOML.
+    #[error("no valid TOML: {0}")]
+    Syntax(String),
+    /// A key that nothing reads.
+    #[error("{element}: unknown key `{key}`{hint}; known keys: {known}")]
+    UnknownKey { element: String, key: String, hint: String, known: String },
+    /// A key that must be there.
+    #[error("{element}: `{key}` is missing; add {example}")]
+    MissingKey { element: String, key: String, example: String },
+    /// A value of the wrong type or outside its range.
+    #[error("{element}: {key} = {value}: must be {bound}; {remedy}")]
+    Value { element: String, key: String, value: String, bound: String, remedy: String },
+    /// A name that is not declared.
+    #[error("{element}: no waypoint `{name}`{hint}; known waypoints: {known}")]
+    UnknownWaypoint { element: String, name: String, hint: String, known: String },
+    /// A polygon whose sides meet.
+    #[error(
+        "{element}: sides {first} and {second} meet: must be an outline that does not touch itself (side k runs from point k to the next); put the points in order or make two polygons of it"
+    )]
+    Crossing { element: String, first: usize, second: usize },
+    /// A name given twice.
+    #[error("{element}: name = \"{name}\": must differ from the name in line {line}; choose another")]
+    Duplicate { element: String, name: String, line: usize },
+    /// Something reaches out of the scene.
+    #[error("{element}: {}: must lie within the bounds, {} to {} m; move it or widen [bounds]", reach(.extent), point(.bounds[0]), point(.bounds[1]))]
+    OutsideBounds { element: String, extent: [[f64; 2]; 2], bounds: [[f64; 2]; 2] },
+    /// A waypoint at which the robot would touch something.
+    #[error("waypoint {name} = {}: {} {obstacle}: must be at least {} m away (the robot's radius and {} m to spare); move the waypoint or the obstacle", point(*.at), gap(.distance_m), metres(.needed_m), metres(.spare_m))]
+    NoRoom { name: String, at: [f64; 2], obstacle: String, distance_m: f64, needed_m: f64, spare_m: f64 },
+    /// A map that cannot be read.
+    #[error("[map]: {0}")]
+    Map(RosMapError),
+    /// No grid can be made.
+    #[error("{element}: cell = {cell_m} m: {source}")]
+    Grid { element: String, cell_m: f64, source: GridError },
+    /// More cells than memory holds.
+    #[error("{element}: cell = {cell_m} m makes {columns} x {rows} = {cells} cells, about {}: must fit the {} that are free; use larger cells or smaller [bounds]", size(.bytes), size(.available))]
+    Memory { element: String, cell_m: f64, columns: usize, rows: usize, cells: usize, bytes: u64, available: u64 },
+    /// A route that would never end.
+    #[error("[route]: about {scans:.3e} scans of {columns} columns: must be at most {limit} scans whose readings fit the {} that are free; drive faster, shorten the route, or scan less often", size(.available))]
+    TooLong { scans: f64, columns: usize, limit: usize, available: u64 },
+    /// Something stands in the way.
+    #[error("[route]: the way {from} -> {to} is blocked at {} by {obstacle}: must leave {} m on either side (the robot's radius and {} m to spare); move a waypoint or the obstacle, or add a stop that leads round it", point(*.at), metres(.needed_m), metres(.spare_m))]
+    Blocked { from: String, to: String, at: [f64; 2], obstacle: String, needed_m: f64, spare_m: f64 },
+}
+
+/// Metres to the millimetre where that says enough, so that messages stay readable.
+fn metres(value: &f64) -> String {
+    let rounded = (value * 1e3).round() / 1e3;
+    if rounded.abs() > 0.0 { format!("{rounded}") } else { format!("{value:e}") }
+}
+
+fn point(at: [f64; 2]) -> String {
+    let [x, y] = at.map(|v| if v.abs() < 5e-4 { "0".to_owned() } else { metres(&v) });
+    format!("[{x}, {y}]")
+}
+
+fn reach([min, max]: &[[f64; 2]; 2]) -> String {
+    let (low, high) = (point(*min), point(*max));
+    if low == high { format!("lies at {low} m") } else { format!("reaches from {low} to {high} m") }
+}
+
+fn gap(distance_m: &f64) -> String {
+    if *distance_m > 1e-9 { format!("{} m from", metres(distance_m)) } else { "inside".to_owned() }
+}
+
+/// A number of bytes in the largest unit that keeps it above one.
+fn size(value: &u64) -> String {
+    const UNITS: [&str; 5] = ["B", "KiB", "MiB", "GiB", "TiB"];
+    let mut value = *value as f64;
+    let mut unit = 0;
+    while value >= 1024.0 && unit + 1 < UNITS.len() {
+        value /= 1024.0;
+        unit += 1;
+    }
+    format!("{value:.1} {}", UNITS[unit])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_read_well() {
+        assert_eq!(point([0.1 + 0.2, -1e-17]), "[0.3, 0]");
+        assert_eq!(metres(&1e-6), "1e-6");
+        assert_eq!((size(&512), size(&(3 << 30))), ("512.0 B".to_owned(), "3.0 GiB".to_owned()));
+    }
+
+    #[test]
+    fn a_wrong_name_is_the_users_a_refusal_the_systems() {
+        let error = |kind: io::ErrorKind| SceneError::Unreadable { file: "s.toml".to_owned(), source: kind.into() };
+        assert_eq!(error(io::ErrorKind::NotFound).kind(), ErrorKind::BadInput);
+        assert_eq!(error(io::ErrorKind::PermissionDenied).kind(), ErrorKind::Io);
+    }
+}

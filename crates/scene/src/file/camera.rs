@@ -1,0 +1,91 @@
+//! `[camera]`, `[sensor]` and `[robot]`, and their defaults.
+
+use sensor::{Camera, Matcher, Stereo};
+
+use crate::{Robot, SceneError};
+
+use super::table::{Limit, Table};
+
+const fn limit(min: f64, max: f64, bound: &'static str, remedy: &'static str) -> Limit {
+    Limit { min, max, bound, remedy }
+}
+
+const COLUMNS: Limit =
+    limit(1.0, 1e5, "a whole number from 1 to 100000", "give the number of image columns, such as 140");
+const FIELD_OF_VIEW: Limit =
+    limit(0.1, 175.0, "an angle in degrees, 0.1 to 175", "give the full horizontal field of view, such as 80");
+const FOCAL_BASELINE: Limit =
+    limit(1e-6, 1e6, "a positive number in px·m, 0.000001 to 1000000", "give focal length times baseline, such as 15");
+const SIGMA: Limit =
+    limit(1e-6, 1e3, "a positive number in px, 0.000001 to 1000", "give a standard deviation such as 0.5");
+const SEARCH: Limit =
+    limit(1e-3, 1e6, "a positive number in px, 0.001 to 1000000", "give the largest disparity searched, such as 60");
+const STEP: Limit =
+    limit(0.0, 1e3, "a number in px, 0 to 1000", "give 1 for whole pixels, a fraction for sub-pixels, 0 for none");
+const PROBABILITY: Limit = limit(0.0, 1.0, "a probability, 0 to 1", "give a number such as 0.8");
+
+const RADIUS: Limit = limit(1e-3, 1e3, "a positive length in m, 0.001 to 1000", "give the robot's radius, such as 0.2");
+const SPEED: Limit = limit(1e-3, 1e3, "a positive speed in m/s, 0.001 to 1000", "give a speed such as 0.5");
+const TURN_RATE: Limit = limit(0.1, 1e5, "a positive rate in degrees per s, 0.1 to 100000", "give a rate such as 30");
+const INTERVAL: Limit =
+    limit(1e-4, 1e4, "a positive time in s, 0.0001 to 10000", "give the time between scans, such as 0.2");
+
+/// `[camera]`: 140 columns over 80 degrees where the file is silent.
+pub(super) fn camera(root: &Table) -> Result<Camera, SceneError> {
+    let mut camera = Camera { columns: 140, field_of_view_rad: 80f64.to_radians() };
+    let Some(table) = root.section("camera")? else { return Ok(camera) };
+    table.only(&["columns", "field_of_view_deg"])?;
+    if let Some(columns) = table.optional_number("columns", &COLUMNS)? {
+        if let Some(value) = table.get("columns").filter(|_| columns.fract() > 0.0) {
+            return Err(table.refuse("columns", value, COLUMNS.bound, COLUMNS.remedy));
+        }
+        camera.columns = columns as usize;
+    }
+    if let Some(degrees) = table.optional_number("field_of_view_deg", &FIELD_OF_VIEW)? {
+        camera.field_of_view_rad = degrees.to_radians();
+    }
+    Ok(camera)
+}
+
+/// `[sensor]`: the paper's camera, an edge in 60 % of the columns, no quantisation.
+pub(super) fn matcher(root: &Table) -> Result<Matcher, SceneError> {
+    let mut matcher = Matcher { stereo: Stereo::default(), detection_rate: 0.6, quantisation: 0.0 };
+    let Some(table) = root.section("sensor")? else { return Ok(matcher) };
+    let Stereo { focal_baseline, disparity_sigma, correct_match, max_disparity } = &mut matcher.stereo;
+    let fields = [
+        ("focal_baseline", &FOCAL_BASELINE, focal_baseline),
+        ("disparity_sigma", &SIGMA, disparity_sigma),
+        ("correct_match", &PROBABILITY, correct_match),
+        ("max_disparity", &SEARCH, max_disparity),
+        ("detection_rate", &PROBABILITY, &mut matcher.detection_rate),
+        ("quantisation", &STEP, &mut matcher.quantisation),
+    ];
+    set(&table, fields)?;
+    Ok(matcher)
+}
+
+/// `[robot]`: 0.2 m, 0.5 m/s, 30 degrees per second, five scans per second.
+pub(super) fn robot(root: &Table) -> Result<Robot, SceneError> {
+    let (mut radius_m, mut speed_m_s, mut turn_rate_deg_s, mut scan_interval_s) = (0.2, 0.5, 30.0, 0.2);
+    if let Some(table) = root.section("robot")? {
+        let fields = [
+            ("radius", &RADIUS, &mut radius_m),
+            ("speed", &SPEED, &mut speed_m_s),
+            ("turn_rate_deg", &TURN_RATE, &mut turn_rate_deg_s),
+            ("scan_interval", &INTERVAL, &mut scan_interval_s),
+        ];
+        set(&table, fields)?;
+    }
+    Ok(Robot { radius_m, speed_m_s, turn_rate_rad_s: turn_rate_deg_s.to_radians(), scan_interval_s })
+}
+
+/// Takes the numbers that the table gives, and refuses other keys.
+fn set<const N: usize>(table: &Table, fields: [(&str, &Limit, &mut f64); N]) -> Result<(), SceneError> {
+    table.only(&fields.each_ref().map(|(key, ..)| *key))?;
+    for (key, limit, field) in fields {
+        if let Some(value) = table.optional_number(key, limit)? {
+            *field = value;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,70 @@
+//! `points` of a polygon: a simple outline, turned counter-clockwise.
+
+use crate::geometry::{cross, distance, dot, minus, segments_meet, signed_area};
+use crate::{Problem, SceneError};
+
+use super::table::{POINT, Table};
+
+/// Sides are checked pair by pair, and rays try every side.
+const MOST_POINTS: usize = 1000;
+
+/// Points nearer than this are taken for the same one, m.
+const SMALLEST_M: f64 = 1e-6;
+
+pub(super) fn points(table: &Table) -> Result<Vec<[f64; 2]>, SceneError> {
+    const KEY: &str = "points";
+    let example = "`points = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]`, the corners in order";
+    let value = table.get(KEY).ok_or_else(|| table.missing(KEY, example))?;
+    let bound = "a list of 3 to 1000 points [x, y] in m";
+    let items = value.get_ref().as_array().filter(|items| (3..=MOST_POINTS).contains(&items.len()));
+    let items =
+        items.ok_or_else(|| table.refuse(KEY, value, bound, "list the corners in order, the first only once"))?;
+    let mut points = Vec::with_capacity(items.len());
+    for (k, item) in items.iter().enumerate() {
+        points.push(table.pair(&format!("point {}", k + 1), item, &POINT)?);
+    }
+    for (k, item) in items.iter().enumerate() {
+        let next = (k + 1) % points.len();
+        if distance(points[k], points[next]) < SMALLEST_M {
+            let bound = format!("apart from point {}, by at least 0.000001 m", next + 1);
+            return Err(table.refuse(&format!("point {}", k + 1), item, &bound, "list every corner once"));
+        }
+    }
+    if let Some((first, second)) = crossing(&points) {
+        let at = items[second].span().start;
+        let problem = Problem::Crossing { element: table.element(), first: first + 1, second: second + 1 };
+        return Err(table.source().error(at, problem));
+    }
+    let area = signed_area(&points);
+    if area < 0.0 {
+        points.reverse();
+    }
+    if area.abs() < SMALLEST_M * SMALLEST_M {
+        return Err(table.refuse(KEY, value, "the corners of a polygon with an area", "the points lie on one line"));
+    }
+    Ok(points)
+}
+
+/// The first two sides that meet other than at the corner they share.
+fn crossing(points: &[[f64; 2]]) -> Option<(usize, usize)> {
+    let n = points.len();
+    let side = |k: usize| (points[k], points[(k + 1) % n]);
+    for i in 0..n {
+        let (a, b) = side(i);
+        for j in i + 1..n {
+            let (c, d) = side(j);
+            let meet = if j == i + 1 || (i == 0 && j == n - 1) {
+                // Neighbours share a corner; they overlap if the outline turns straight back there.
+                let (before, corner, after) = if j == i + 1 { (a, b, d) } else { (c, a, b) };
+                let (back, on) = (minus(before, corner), minus(after, corner));
+                cross(back, on) == 0.0 && dot(back, on) > 0.0
+            } else {
+                segments_meet(a, b, c, d)
+            };
+            if meet {
+                return Some((i, j));
+            }
+        }
+    }
+    None
+}

@@ -1,0 +1,122 @@
+//! Casting rays, by parry.
+
+use parry2d_f64::bounding_volume::{Aabb, BoundingVolume as _};
+use parry2d_f64::math::{Pose2, Rot2, Vec2};
+use parry2d_f64::partitioning::{Bvh, BvhBuildStrategy};
+use parry2d_f64::query::{Ray, RayCast as _};
+use parry2d_f64::shape::{Ball, Cuboid};
+
+use crate::geometry::{cross, dot, minus, sides};
+use crate::{Obstacle, Scene, Shape};
+
+/// Boxes are cast this much larger all round, m: boxes that touch then overlap, and no ray slips
+/// through their seam.
+const HAIR_M: f64 = 1e-9;
+
+/// The tree's boxes are loosened by more than that, m, so that rounding in its tests hides no hit.
+const LOOSE_M: f64 = 1e-8;
+
+/// The obstacles of a scene, ready for rays.
+pub struct World {
+    tree: Bvh,
+    targets: Vec<Target>,
+}
+
+/// Where a ray ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// Distance along the ray, m; 0 where the ray starts inside an obstacle.
+    pub range_m: f64,
+    /// Index into [`Scene::obstacles`].
+    pub obstacle: usize,
+}
+
+/// An obstacle as rays see it.
+enum Target {
+    Cuboid(Pose2, Cuboid),
+    Ball(Pose2, Ball),
+    Polygon(Vec<[f64; 2]>),
+}
+
+impl World {
+    /// Sorts the obstacles of a scene into a tree of boxes.
+    pub fn new(scene: &Scene) -> Self {
+        Self::of(&scene.obstacles)
+    }
+
+    fn of(obstacles: &[Obstacle]) -> Self {
+        let boxes: Vec<Aabb> = obstacles
+            .iter()
+            .map(|o| {
+                let [min, max] = o.shape.extent_m();
+                Aabb::new(vector(min), vector(max)).loosened(LOOSE_M)
+            })
+            .collect();
+        let targets = obstacles.iter().map(|o| Target::of(&o.shape)).collect();
+        Self { tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes), targets }
+    }
+
+    /// The first obstacle on the ray from `origin` (m) along the unit vector `direction`.
+    pub fn cast(&self, origin: [f64; 2], direction: [f64; 2]) -> Option<Hit> {
+        let ray = Ray::new(vector(origin), vector(direction));
+        let found = self.tree.cast_ray(&ray, f64::MAX, |leaf, nearest| self.targets[leaf as usize].cast(&ray, nearest));
+        found.map(|(leaf, range_m)| Hit { range_m, obstacle: leaf as usize })
+    }
+}
+
+impl Target {
+    fn of(shape: &Shape) -> Self {
+        match shape {
+            Shape::Box { center_m, half_m, axis } => {
+                let rotation = Rot2 { re: axis[0], im: axis[1] };
+                let cuboid = Cuboid::new(vector(half_m.map(|h| h + HAIR_M)));
+                Self::Cuboid(Pose2::from_parts(vector(*center_m), rotation), cuboid)
+            }
+            Shape::Disc { center_m, radius_m } => {
+                Self::Ball(Pose2::from_translation(vector(*center_m)), Ball::new(*radius_m))
+            }
+            Shape::Polygon { points_m } => Self::Polygon(points_m.clone()),
+        }
+    }
+
+    /// Range of the first hit up to `limit`, m.
+    fn cast(&self, ray: &Ray, limit: f64) -> Option<f64> {
+        match self {
+            Self::Cuboid(pose, cuboid) => cuboid.cast_ray(pose, ray, limit, true),
+            Self::Ball(pose, ball) => ball.cast_ray(pose, ray, limit, true),
+            Self::Polygon(points) => outline_range(points, [ray.origin.x, ray.origin.y], [ray.dir.x, ray.dir.y]),
+        }
+    }
+}
+
+/// Range at which a ray meets a closed outline, m; 0 from inside.
+///
+/// A side is met if its ends lie on different sides of the ray, the ray itself counted with one of
+/// them. The sign of a corner is the same for both sides that share it, so no ray passes between
+/// them, which segment tests with a tolerance do not guarantee.
+fn outline_range(points: &[[f64; 2]], origin: [f64; 2], direction: [f64; 2]) -> Option<f64> {
+    let mut nearest = None;
+    let mut ahead = 0usize;
+    for (a, b) in sides(points) {
+        let (left, right) = (cross(direction, minus(a, origin)), cross(direction, minus(b, origin)));
+        if (left >= 0.0) == (right >= 0.0) {
+            continue;
+        }
+        let t = left / (left - right);
+        let met = [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])];
+        let range = dot(minus(met, origin), direction);
+        if range >= 0.0 {
+            ahead += 1;
+            nearest = Some(nearest.map_or(range, |n: f64| n.min(range)));
+        }
+    }
+    // From inside, an odd number of sides lies ahead.
+    if ahead % 2 == 1 { Some(0.0) } else { nearest }
+}
+
+fn vector([x, y]: [f64; 2]) -> Vec2 {
+    Vec2::new(x, y)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,287 @@
+//! What could be seen: the regions of a map, from noise-free rays.
+
+use grid::{DigitalLine, Raster};
+
+use crate::Region;
+
+/// How far behind a hit the shell reaches, m: half the paper's mean obstacle of 40 cm, so that the
+/// shell of an obstacle lies mostly inside it and not in the room behind.
+pub const SHELL_DEPTH_M: f64 = 0.2;
+
+/// Hits often lie exactly on a grid line, since walls do; the cell hit is the one that holds the
+/// point this far (m) behind the hit. For the same reason a ray that runs through a cell for no
+/// more than this has touched, not crossed it. Far above rounding, far below any cell.
+pub const NUDGE_M: f64 = 1e-6;
+
+/// One viewing ray, cast without noise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sight {
+    /// Where the ray starts, m.
+    pub origin_m: [f64; 2],
+    /// Unit vector along the ray.
+    pub direction: [f64; 2],
+    /// Range of the first hit, m; `None` where the ray hits nothing up to the border of the map.
+    pub range_m: Option<f64>,
+}
+
+/// What the rays so far could see. Their order does not matter.
+#[derive(Debug, Clone)]
+pub struct Sightings {
+    truth: Raster<Option<bool>>,
+    visible: Raster<bool>,
+    surface: Raster<bool>,
+    behind: Raster<bool>,
+    looks: Raster<u32>,
+    hits_without_surface: usize,
+    line: DigitalLine,
+}
+
+impl Sightings {
+    /// Nothing seen yet of a world: `Some(true)` occupied, `Some(false)` free, `None` not known.
+    pub fn new(truth: &Raster<Option<bool>>) -> Self {
+        let spec = *truth.spec();
+        Self {
+            truth: truth.clone(),
+            visible: Raster::filled(spec, false),
+            surface: Raster::filled(spec, false),
+            behind: Raster::filled(spec, false),
+            looks: Raster::filled(spec, 0),
+            hits_without_surface: 0,
+            line: DigitalLine::default(),
+        }
+    }
+
+    /// Marks what one ray could see. A ray from outside the map sees nothing of it.
+    ///
+    /// # Panics
+    /// If the range is negative or not a number: the cast that gave it is broken.
+    pub fn add(&mut self, sight: &Sight) {
+        let hit = sight.range_m.unwrap_or(f64::INFINITY);
+        assert!(hit >= 0.0, "the ray from {:?} m has the range {hit} m", sight.origin_m);
+        self.line.trace(self.truth.spec(), sight.origin_m, sight.direction, hit + SHELL_DEPTH_M);
+        let mut behind_surface = false;
+        let mut reached = false;
+        for (&cell, chord) in self.line.cells().iter().zip(self.line.ranges().windows(2)) {
+            let (enter, exit) = (chord[0], chord[1]);
+            if reached {
+                self.behind[cell] |= behind_surface && exit - enter > NUDGE_M;
+                continue;
+            }
+            let crossed = exit.min(hit) - enter > NUDGE_M;
+            self.visible[cell] |= crossed && self.truth[cell] == Some(false);
+            // The first cell that ends behind the nudged hit holds it. Rounding, or a truth that
+            // counts a partly covered cell as free, can leave the hit without a surface.
+            reached = exit >= hit + NUDGE_M;
+            behind_surface = reached && self.truth[cell] == Some(true);
+            self.surface[cell] |= behind_surface;
+            self.hits_without_surface += usize::from(reached && !behind_surface);
+            self.looks[cell] += u32::from(crossed || behind_surface);
+        }
+    }
+
+    /// Whether a cell belongs to a region.
+    pub fn contains(&self, region: Region, cell: usize) -> bool {
+        let observable = self.visible[cell] || self.surface[cell];
+        let unseen = self.truth[cell].is_some() && !observable;
+        match region {
+            Region::Visible => self.visible[cell],
+            Region::Surface => self.surface[cell],
+            Region::Shell => unseen && self.behind[cell],
+            Region::Hidden => unseen && !self.behind[cell],
+            Region::Observable => observable,
+            Region::All => self.truth[cell].is_some(),
+        }
+    }
+
+    /// The cells of a region, from all rays so far.
+    pub fn mask(&self, region: Region) -> Raster<bool> {
+        let spec = *self.truth.spec();
+        Raster::new(spec, (0..spec.cells()).map(|cell| self.contains(region, cell)).collect())
+    }
+
+    /// The mask of [`Region::Visible`] without a copy, for [`Retention`](crate::Retention).
+    pub fn visible(&self) -> &Raster<bool> {
+        &self.visible
+    }
+
+    /// The mask of [`Region::Surface`] without a copy, for [`Scorer`](crate::Scorer).
+    pub fn surface(&self) -> &Raster<bool> {
+        &self.surface
+    }
+
+    /// How many rays crossed each cell or hit it first.
+    pub fn looks(&self) -> &Raster<u32> {
+        &self.looks
+    }
+
+    /// Number of hits inside the map whose cell is not truly occupied, so that they made neither
+    /// surface nor shell. More than a few mean that the truth and the casts do not agree.
+    pub fn hits_without_surface(&self) -> usize {
+        self.hits_without_surface
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::drawing::{CELL_M, drawn, picture};
+
+    const RIGHT: [f64; 2] = [1.0, 0.0];
+    const LEFT: [f64; 2] = [-1.0, 0.0];
+    const UP: [f64; 2] = [0.0, 1.0];
+
+    fn sight(x: f64, y: f64, direction: [f64; 2], range_m: impl Into<Option<f64>>) -> Sight {
+        Sight { origin_m: [x, y], direction, range_m: range_m.into() }
+    }
+
+    fn seen(world: &[&str], sights: &[Sight]) -> Sightings {
+        let mut sightings = Sightings::new(&drawn(world));
+        sights.iter().for_each(|s| sightings.add(s));
+        sightings
+    }
+
+    /// One letter per cell: v(isible), s(urface), b(ehind: shell), h(idden), ? (not known).
+    fn regions(s: &Sightings) -> Vec<String> {
+        let parts = [(Region::Visible, 'v'), (Region::Surface, 's'), (Region::Shell, 'b'), (Region::Hidden, 'h')];
+        picture(s.truth.spec(), |cell| {
+            let inside: Vec<char> = parts.iter().filter(|p| s.contains(p.0, cell)).map(|p| p.1).collect();
+            assert!(inside.len() <= 1, "cell {cell} is in {inside:?}");
+            assert_eq!(s.contains(Region::All, cell), !inside.is_empty());
+            assert_eq!(s.contains(Region::Observable, cell), inside.iter().any(|c| "vs".contains(*c)));
+            inside.first().copied().unwrap_or('?')
+        })
+    }
+
+    fn looks(s: &Sightings) -> Vec<String> {
+        picture(s.truth.spec(), |cell| char::from_digit(s.looks()[cell], 10).expect("below ten"))
+    }
+
+    // Cells of 0.1 m: the shell of 0.2 m is two cells, one of them the surface where the wall's face
+    // is a grid line.
+
+    #[test]
+    fn a_hit_exactly_on_a_grid_line_belongs_to_the_cell_behind_it() {
+        let s = seen(&["...##..."], &[sight(0.05, 0.05, RIGHT, 0.25)]);
+        assert_eq!(regions(&s), ["vvvsbhhh"]);
+        assert_eq!(looks(&s), ["11110000"]);
+        // From the other side the same line would belong to the free cell.
+        let s = seen(&["...##..."], &[sight(0.75, 0.05, LEFT, 0.25)]);
+        assert_eq!(regions(&s), ["hhhbsvvv"]);
+        assert_eq!(looks(&s), ["00001111"]);
+    }
+
+    #[test]
+    fn rounding_of_the_hit_does_not_matter() {
+        for error in [-1e-9, 1e-9] {
+            let s = seen(&["...##..."], &[sight(0.05, 0.05, RIGHT, 0.25 + error)]);
+            assert_eq!((regions(&s), looks(&s)), (vec!["vvvsbhhh".into()], vec!["11110000".into()]), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_hit_inside_a_partly_covered_cell() {
+        let s = seen(&["...##..."], &[sight(0.05, 0.05, RIGHT, 0.27)]);
+        assert_eq!(regions(&s), ["vvvsbbhh"], "the shell starts at the hit, 0.32 to 0.52 m");
+        assert_eq!(looks(&s), ["11110000"], "crossed and hit is one look");
+    }
+
+    #[test]
+    fn no_hit_sees_to_the_border_and_only_free_cells() {
+        let s = seen(&["..?.#..."], &[sight(0.05, 0.05, RIGHT, None)]);
+        assert_eq!(regions(&s), ["vv?vhvvv"], "an occupied cell that a ray slips through is not seen");
+        assert_eq!(looks(&s), ["11111111"]);
+        assert_eq!(s.hits_without_surface(), 0);
+    }
+
+    #[test]
+    fn a_hit_beyond_the_border_is_none_of_the_maps_cells() {
+        let s = seen(&["...."], &[sight(0.05, 0.05, RIGHT, 0.35), sight(0.05, 0.05, RIGHT, 9.0)]);
+        assert_eq!((regions(&s), looks(&s)), (vec!["vvvv".into()], vec!["2222".into()]));
+        assert_eq!(s.hits_without_surface(), 0);
+    }
+
+    #[test]
+    fn a_hit_in_a_cell_that_is_not_occupied_is_no_surface() {
+        for world in ["......", "...?.."] {
+            let s = seen(&[world], &[sight(0.05, 0.05, RIGHT, 0.25)]);
+            assert_eq!(regions(&s)[0].replace('?', "h"), "vvvhhh", "neither surface nor shell");
+            assert_eq!((looks(&s), s.hits_without_surface()), (vec!["111000".into()], 1));
+        }
+        let s = seen(&["......"], &[sight(0.05, 0.05, RIGHT, 0.27)]);
+        assert_eq!(regions(&s), ["vvvvhh"], "what lies before the hit was crossed");
+    }
+
+    #[test]
+    fn along_a_wall() {
+        // The grid line between the rows belongs to the upper one.
+        let along = sight(0.05, 0.1, RIGHT, None);
+        assert_eq!(regions(&seen(&["....", "####"], &[along])), ["vvvv", "hhhh"]);
+        let s = seen(&["####", "...."], &[along]);
+        assert_eq!((regions(&s), looks(&s)), (vec!["hhhh".into(); 2], vec!["1111".into(), "0000".into()]));
+        // A cast that stops at the wall's edge where the wall begins.
+        assert_eq!(regions(&seen(&["..##", "...."], &[sight(0.0, 0.1, RIGHT, 0.2)])), ["vvsb", "hhhh"]);
+    }
+
+    #[test]
+    fn a_ray_that_starts_on_a_grid_line_and_leaves_the_cell_at_once_has_not_crossed_it() {
+        let s = seen(&["...."], &[sight(0.2, 0.05, LEFT, None)]);
+        assert_eq!((regions(&s), looks(&s)), (vec!["vvhh".into()], vec!["1100".into()]));
+    }
+
+    #[test]
+    fn a_ray_through_corners_crosses_the_diagonal_only() {
+        let h = std::f64::consts::FRAC_1_SQRT_2;
+        let s = seen(&["...", "...", "..."], &[sight(0.05, 0.05, [h, h], None)]);
+        assert_eq!(regions(&s), ["hhv", "hvh", "vhh"]);
+        // Into the corner of a block: the block's cell is hit although its neighbours touch the corner too.
+        let s = seen(&["..#", "...", "..."], &[sight(0.05, 0.05, [h, h], 0.15 / h)]);
+        assert_eq!(regions(&s), ["hhs", "hvh", "vhh"]);
+    }
+
+    #[test]
+    fn the_shell_gives_way_to_what_another_ray_sees() {
+        let world = ["......", "..#...", "......"];
+        let ray = sight(0.05, 0.15, RIGHT, 0.15);
+        assert_eq!(regions(&seen(&world, &[ray])), ["hhhhhh", "vvsbhh", "hhhhhh"]);
+        let across = sight(0.35, 0.05, UP, None);
+        for sights in [[ray, across], [across, ray]] {
+            assert_eq!(regions(&seen(&world, &sights)), ["hhhvhh", "vvsvhh", "hhhvhh"]);
+        }
+        // The block's other side is a surface of its own.
+        let back = sight(0.55, 0.15, LEFT, 0.25);
+        let s = seen(&world, &[ray, back]);
+        assert_eq!((regions(&s)[1].as_str(), looks(&s)[1].as_str()), ("vvsvvv", "112111"));
+    }
+
+    #[test]
+    fn unknown_cells_are_in_no_region() {
+        let s = seen(&["..#??."], &[sight(0.05, 0.05, RIGHT, 0.15)]);
+        assert_eq!(regions(&s), ["vvs??h"]);
+        for region in Region::ALL {
+            let mask = s.mask(region);
+            assert!(!mask[3] && !mask[4], "{region:?}");
+            assert!((0..6).all(|cell| mask[cell] == s.contains(region, cell)));
+        }
+    }
+
+    #[test]
+    fn a_sensor_inside_an_obstacle_or_outside_the_map() {
+        let s = seen(&[".##."], &[sight(0.15, 0.05, RIGHT, 0.0)]);
+        assert_eq!((regions(&s), looks(&s)), (vec!["hsbb".into()], vec!["0100".into()]));
+        let s = seen(&[".##."], &[sight(-0.05, 0.05, RIGHT, 0.15)]);
+        assert_eq!((regions(&s), s.hits_without_surface()), (vec!["hhhh".into()], 0));
+    }
+
+    #[test]
+    fn a_broken_range_is_refused() {
+        for bad in [f64::NAN, -1e-9] {
+            let broken = std::panic::catch_unwind(|| seen(&["..."], &[sight(0.05, 0.05, RIGHT, bad)]));
+            assert!(broken.is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn the_drawings_have_the_shells_depth() {
+        assert!((SHELL_DEPTH_M - 2.0 * CELL_M).abs() < 1e-15);
+    }
+}
