@@ -1,1 +1,20 @@
-//! To come.
+//! Simulate, map, score and show.
+//!
+//! The command line is a thin layer over this library: an experiment turns a merged configuration
+//! into values ([`trial::Trial`], [`claims::Claim`]), and tables, pictures and the report are views
+//! of them. Results go to stdout, progress and warnings to stderr.
+
+pub mod check;
+pub mod claims;
+pub mod cli;
+pub mod failure;
+pub mod figures;
+pub mod list;
+pub mod progress;
+pub mod record;
+pub mod report;
+pub mod room;
+pub mod staging;
+pub mod summary;
+pub mod table;
+pub mod trial;

@@ -105,6 +105,8 @@ pub struct Region {
     pub name: String,
     /// What it covers.
     pub area: Area,
+    /// Whether the paper's claims about its region X are made for it: seen from near first, and only from far later.
+    pub claims: bool,
 }
 
 /// What a region covers, m.
@@ -195,11 +197,11 @@ mod tests {
     #[test]
     fn masks_hold_the_cells_whose_centres_lie_within() {
         let spec = GridSpec { cell_m: 0.01, origin_m: [0.0; 2], width: 200, height: 100 };
-        let disc = Region { name: "X".to_owned(), area: Area::Disc { center_m: [1.0, 0.5], radius_m: 0.3 } };
+        let disc = Region { name: "X".to_owned(), area: Area::Disc { center_m: [1.0, 0.5], radius_m: 0.3 }, claims: false };
         let held = disc.mask(&spec).values().iter().filter(|&&v| v).count() as f64;
         assert!((held * 1e-4 - std::f64::consts::PI * 0.09).abs() < 1e-3, "{held} cells");
         let upright = Area::Rectangle { min_m: [0.3, 0.2], max_m: [0.605, 0.406] };
-        let held = Region { name: "Y".to_owned(), area: upright }.mask(&spec);
+        let held = Region { name: "Y".to_owned(), area: upright, claims: false }.mask(&spec);
         assert_eq!(held.values().iter().filter(|&&v| v).count(), 31 * 21);
         assert!(held[spec.locate([0.35, 0.25]).expect("inside")]);
     }

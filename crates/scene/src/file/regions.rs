@@ -12,7 +12,7 @@ pub(super) fn read(root: &Table, bounds: [[f64; 2]; 2]) -> Result<Vec<Region>, S
     let tables = root.list("region")?;
     let mut regions: Vec<Region> = Vec::new();
     for table in &tables {
-        table.only(&["name", "center", "radius", "min", "max"])?;
+        table.only(&["name", "center", "radius", "min", "max", "claims"])?;
         let name = table.name("name")?;
         if let Some(first) = regions.iter().position(|r| r.name == name) {
             return Err(route::duplicate(table, name, tables[first].line()));
@@ -23,7 +23,8 @@ pub(super) fn read(root: &Table, bounds: [[f64; 2]; 2]) -> Result<Vec<Region>, S
         }
         let area = area(table)?;
         within(area.extent_m(), bounds, || table.element()).map_err(|p| table.error(p))?;
-        regions.push(Region { name, area });
+        let claims = table.flag("claims")?;
+        regions.push(Region { name, area, claims });
     }
     Ok(regions)
 }

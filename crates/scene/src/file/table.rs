@@ -206,6 +206,13 @@ impl<'a> Table<'a> {
         line.map(|s| Some(s.to_owned())).ok_or_else(refused)
     }
 
+    /// True or false; false if not given.
+    pub(super) fn flag(&self, key: &str) -> Result<bool, SceneError> {
+        let Some(value) = self.get(key) else { return Ok(false) };
+        let refused = || self.refuse(key, value, "true or false", "write it without quotes, or leave it out for false");
+        value.get_ref().as_bool().ok_or_else(refused)
+    }
+
     /// A name that can be part of a file name.
     pub(super) fn name(&self, key: &str) -> Result<String, SceneError> {
         let Some(value) = self.get(key) else { return Err(self.missing(key, &format!("`{key} = \"...\"`"))) };

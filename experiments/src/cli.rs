@@ -1,0 +1,182 @@
+//! The command line: options and their ranges.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use mapper::{CorrelationLaw, Prior, Reconciliation};
+
+/// Tells good maps from bad ones: simulates a robot with a stereo camera, maps what it sees by
+/// several rules, and scores the maps against the truth.
+#[derive(Debug, Parser)]
+#[command(
+    name = "experiments",
+    version,
+    max_term_width = 100,
+    after_help = "Exit codes: 0 done, 1 internal or I/O error, 2 usage or bad input, 3 a claim does not hold, 130 Ctrl-C."
+)]
+pub struct Cli {
+    /// What to run.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The experiments.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// The paper's room experiment (Section 3.3, Figures 11-14): simulate, map, score, show
+    Room(RoomOptions),
+    /// Check a scene file and say what it holds, without mapping anything
+    Check(CheckOptions),
+    /// List experiments, mappers, metrics and the scenes at hand
+    List(ListOptions),
+}
+
+/// How a table is printed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum Format {
+    /// For reading
+    #[default]
+    Text,
+    /// Comma-separated values
+    Csv,
+    /// JSON: {"schema_version": 1, "rows": [...]}
+    Json,
+}
+
+/// Options of `room`.
+#[derive(Debug, Args)]
+pub struct RoomOptions {
+    /// Scene file
+    #[arg(long, value_name = "FILE", default_value = "scenes/room.toml")]
+    pub scene: PathBuf,
+    /// Seed of the first run
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Number of runs, with consecutive seeds; tables then give mean and spread
+    #[arg(long, value_name = "N", default_value = "1")]
+    pub seeds: NonZeroUsize,
+    /// Side of a cell in metres, instead of the scene's
+    #[arg(long, value_name = "M", value_parser = positive)]
+    pub grid: Option<f64>,
+    /// Mappers, comma-separated (see `list`)
+    #[arg(
+        long,
+        value_name = "A,B",
+        value_delimiter = ',',
+        default_value = "visibility,visibility-printed,conventional"
+    )]
+    pub mappers: Vec<String>,
+    /// What the mappers believe before the first reading
+    #[command(flatten)]
+    pub belief: Belief,
+    /// Folder for tables, maps, pictures and report, written whole or not at all [default: results/ and the scene's name]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Form of the table on stdout; csv and json give all metrics
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+    /// Threads to use, all processors if not given; results do not depend on it
+    #[arg(long, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+}
+
+/// What the mappers believe before the first reading.
+#[derive(Debug, Clone, Args)]
+pub struct Belief {
+    /// Probability that an unseen cell is occupied
+    #[arg(long, value_name = "P", default_value_t = Prior::default().occupancy, value_parser = probability)]
+    pub prior: f64,
+    /// Correlation of cells 5 cm apart
+    #[arg(long, value_name = "C", default_value_t = Prior::default().correlation, value_parser = probability)]
+    pub correlation: f64,
+    /// How the correlation follows the cell size
+    #[arg(long, value_enum, default_value_t)]
+    pub correlation_law: Law,
+    /// What becomes of neighbouring cells that no ray of a scan runs along
+    #[arg(long, value_enum, default_value_t)]
+    pub reconciliation: Edges,
+}
+
+/// Names of [`CorrelationLaw`] on the command line.
+#[derive(Debug, Clone, Copy, Default, ValueEnum)]
+pub enum Law {
+    /// exp(-d / l): the same world at every cell size
+    #[default]
+    Scaled,
+    /// the same number at every cell size
+    Fixed,
+}
+
+/// Names of [`Reconciliation`] on the command line.
+#[derive(Debug, Clone, Copy, Default, ValueEnum)]
+pub enum Edges {
+    /// they enter the least squares with their state before the scan, as Eq. (20) reads
+    #[default]
+    AllEdges,
+    /// they are left out
+    Touched,
+}
+
+impl Belief {
+    /// The prior of the mappers.
+    pub fn prior(&self) -> Prior {
+        let correlation_law = match self.correlation_law {
+            Law::Scaled => CorrelationLaw::Scaled,
+            Law::Fixed => CorrelationLaw::Fixed,
+        };
+        Prior { occupancy: self.prior, correlation: self.correlation, correlation_law }
+    }
+
+    /// The treatment of edges on no ray.
+    pub fn reconciliation(&self) -> Reconciliation {
+        match self.reconciliation {
+            Edges::AllEdges => Reconciliation::AllEdges,
+            Edges::Touched => Reconciliation::Touched,
+        }
+    }
+}
+
+/// Options of `check`.
+#[derive(Debug, Args)]
+pub struct CheckOptions {
+    /// Scene file
+    #[arg(value_name = "SCENE")]
+    pub scene: PathBuf,
+    /// Side of a cell in metres, instead of the scene's
+    #[arg(long, value_name = "M", value_parser = positive)]
+    pub grid: Option<f64>,
+    /// Form of the table on stdout
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
+
+/// Options of `list`.
+#[derive(Debug, Args)]
+pub struct ListOptions {
+    /// Form of the table on stdout
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
+
+fn probability(text: &str) -> Result<f64, String> {
+    number(text, "from 0 to 1", |v| (0.0..=1.0).contains(&v))
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    number(text, "above 0 and finite", |v| v > 0.0 && v.is_finite())
+}
+
+fn number(text: &str, bound: &str, accept: impl Fn(f64) -> bool) -> Result<f64, String> {
+    text.parse().ok().filter(|&v| accept(v)).ok_or_else(|| format!("must be a number {bound}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory as _;
+
+    #[test]
+    fn the_definition_is_consistent() {
+        super::Cli::command().debug_assert();
+    }
+}

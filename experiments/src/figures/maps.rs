@@ -1,0 +1,73 @@
+//! The maps of every mapper at every stage beside the truth: the paper's Figures 13 and 14.
+
+use plotters::prelude::*;
+
+use super::ink::{self, INK};
+use super::panel::Panel;
+use super::{Area, png};
+use crate::failure::Failure;
+use crate::record::Stage;
+use crate::trial::{Ground, Run, Trial};
+
+/// What the picture shows.
+pub const CAPTION: &str = "Maps from the same readings (compare Figures 13 and 14): a row per mapper, a column per stage, the truth on \
+    the left. White is free, black occupied, grey not known; orange marks regions, blue the robot.";
+
+const WIDTH: usize = 440;
+const GAP: u32 = 14;
+const HEAD: u32 = 34;
+
+/// Draws the maps of one trial.
+///
+/// # Errors
+/// A drawing that fails.
+pub fn draw(ground: &Ground, trial: &Trial, stages: &[Stage]) -> Result<Vec<u8>, Failure> {
+    let panel = Panel::whole(ground.scene.grid, WIDTH);
+    sheet(ground, trial, stages, panel)
+}
+
+/// A table of panels: a row per mapper; the truth and every stage as columns.
+pub(super) fn sheet(ground: &Ground, trial: &Trial, stages: &[Stage], panel: Panel) -> Result<Vec<u8>, Failure> {
+    let (width, height) = panel.size();
+    let columns = 1 + stages.len() as u32;
+    let rows = trial.runs.len() as u32;
+    let size = (GAP + columns * (width + GAP), GAP + rows * (height + HEAD + GAP));
+    png(size, |area| {
+        for (row, run) in trial.runs.iter().enumerate() {
+            let y = GAP + row as u32 * (height + HEAD + GAP);
+            let place = |column: usize| (GAP + column as u32 * (width + GAP), y);
+            let truth = panel.at(place(0).0, y + HEAD);
+            title(area, place(0), "truth")?;
+            truth.fill(area, |cell| ink::truth(ground.truth[cell]))?;
+            regions(area, ground, &truth)?;
+            for (column, stage) in stages.iter().enumerate() {
+                let at = place(column + 1);
+                title(area, at, &format!("{}, {}) {}", run.mapper, stage.name, stage.label))?;
+                map(area, ground, run, column, stage, &panel.at(at.0, y + HEAD))?;
+            }
+        }
+        Ok(())
+    })
+}
+
+fn title(area: &Area, (x, y): (u32, u32), text: &str) -> Result<(), Failure> {
+    let at = (x as i32, y as i32 + 6);
+    area.draw(&Text::new(text.to_owned(), at, ink::letters(ink::TITLE, &INK))).map_err(Failure::internal)
+}
+
+fn map(area: &Area, ground: &Ground, run: &Run, column: usize, stage: &Stage, panel: &Panel) -> Result<(), Failure> {
+    let occupancy = &run.stages[column].occupancy;
+    panel.fill(area, |cell| ink::occupancy(occupancy[cell], ground.prior))?;
+    regions(area, ground, panel)?;
+    match ground.drive.poses.get(stage.scans.wrapping_sub(1)) {
+        Some(timed) if panel.holds(timed.pose.position_m()) => {
+            panel.robot(area, &timed.pose, ground.scene.robot.radius_m, ink::ROUTE)
+        }
+        _ => Ok(()),
+    }
+}
+
+fn regions(area: &Area, ground: &Ground, panel: &Panel) -> Result<(), Failure> {
+    let inside = ground.scene.regions.iter().filter(|region| panel.shows(region));
+    inside.map(|region| panel.outline(area, region, true)).collect()
+}

@@ -1,0 +1,18 @@
+//! `cargo run -p experiments -- NAME`.
+
+use std::process::ExitCode;
+
+use clap::Parser as _;
+use experiments::{check, cli, list, room};
+
+fn main() -> ExitCode {
+    let outcome = match cli::Cli::parse().command {
+        cli::Command::Room(options) => room::run(&options),
+        cli::Command::Check(options) => check::run(&options),
+        cli::Command::List(options) => list::run(&options),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}

@@ -1,0 +1,43 @@
+//! A progress bar on stderr that shows how the maps are doing.
+
+use std::sync::Mutex;
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// Progress of several mappers over their scans. Silent where stderr is not a terminal.
+pub struct Progress {
+    bar: ProgressBar,
+    losses: Mutex<Vec<(String, Option<f64>)>>,
+}
+
+impl Progress {
+    /// A bar over `scans` updates in all, of the mappers with the given names.
+    pub fn new(scans: usize, mappers: &[&str]) -> Self {
+        let bar = ProgressBar::new(scans as u64);
+        let style = ProgressStyle::with_template("{bar:24} {pos}/{len} scans {per_sec:.0} {eta:>4}  {wide_msg}");
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        bar.enable_steady_tick(Duration::from_millis(200));
+        Self { bar, losses: Mutex::new(mappers.iter().map(|name| ((*name).to_owned(), None)).collect()) }
+    }
+
+    /// One more scan is in the map of `mapper`, which now has this log loss (nats per cell).
+    pub fn step(&self, mapper: usize, log_loss: Option<f64>) {
+        self.bar.inc(1);
+        if self.bar.is_hidden() {
+            return;
+        }
+        let Ok(mut losses) = self.losses.lock() else { return };
+        losses[mapper].1 = log_loss;
+        let shown = losses.iter().map(|(name, loss)| match loss {
+            Some(loss) => format!("{name} {loss:.3}"),
+            None => format!("{name} -"),
+        });
+        self.bar.set_message(format!("log loss: {}", shown.collect::<Vec<_>>().join(", ")));
+    }
+
+    /// Takes the bar away.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}

@@ -1,0 +1,154 @@
+//! The paper's room experiment: simulate, map, score, show.
+
+mod outputs;
+
+use std::io::Write as _;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Instant;
+
+use mapper::catalogue::{self, Entry, Setup};
+use rayon::prelude::*;
+use scene::Scene;
+
+use crate::claims::{self, Claim};
+use crate::cli::{Format, RoomOptions};
+use crate::failure::Failure;
+use crate::progress::Progress;
+use crate::record::{Configuration, Record, Robot, Stage, versions};
+use crate::staging::{self, Staging};
+use crate::trial::{Ground, Trial};
+use crate::{summary, table};
+
+/// Runs the experiment.
+///
+/// # Errors
+/// Bad input before any work, I/O, and claims that do not hold.
+pub fn run(options: &RoomOptions) -> Result<(), Failure> {
+    let start = Instant::now();
+    staging::clean_up_when_interrupted();
+    let mappers = entries(&options.mappers)?;
+    let scene = Scene::load(&options.scene, options.grid)?;
+    let seeds = seeds(options)?;
+    let out = options.out.clone().unwrap_or_else(|| Path::new("results").join(&scene.name));
+    let mut staging = Staging::open(&out)?;
+    set_threads(options)?;
+
+    let ground = Ground::new(scene, options.belief.prior)?;
+    let setup = Setup {
+        grid: ground.scene.grid,
+        sensor: Arc::new(ground.scene.matcher.stereo),
+        prior: options.belief.prior(),
+        reconciliation: options.belief.reconciliation(),
+    };
+    let trials = trials(&ground, &seeds, &mappers, &setup)?;
+    let stages = stages(&ground, &trials[0]);
+    let claimed = ground.scene.regions.iter().filter(|region| region.claims);
+    let claims: Vec<Claim> = claimed.flat_map(|region| claims::judge(&trials, &region.name)).collect();
+    let mut record = record(options, &ground, &mappers, &stages, &claims);
+    let metrics = outputs::metrics(&ground, &trials, &stages);
+    outputs::write(&mut staging, &ground, &trials, &stages, &metrics, &mut record)?;
+    staging.publish()?;
+
+    match options.format {
+        Format::Text => {
+            table::print(&summary::text(&ground, &trials, &stages, &claims))?;
+            let place = out.join("report.html");
+            let _ = writeln!(std::io::stderr(), "{} in {:.1} s", place.display(), start.elapsed().as_secs_f64());
+        }
+        Format::Csv => metrics.print(false)?,
+        Format::Json => metrics.print(true)?,
+    }
+    judged(&claims)
+}
+
+/// The mappers of the given names.
+///
+/// # Errors
+/// A name that does not exist, with those that do and the nearest; a name given twice; no name.
+pub fn entries(names: &[String]) -> Result<Vec<&'static Entry>, Failure> {
+    let known = || catalogue::MAPPERS.iter().map(|entry| entry.name);
+    let mut entries: Vec<&'static Entry> = Vec::new();
+    for name in names {
+        let Some(entry) = catalogue::find(name) else {
+            let nearest = known().max_by(|a, b| strsim::jaro(a, name).total_cmp(&strsim::jaro(b, name)));
+            return Err(Failure::BadInput(format!(
+                "--mappers: there is no mapper '{name}'; the nearest is '{}', all are: {}",
+                nearest.unwrap_or_default(),
+                known().collect::<Vec<_>>().join(", ")
+            )));
+        };
+        if entries.iter().any(|e| e.name == entry.name) {
+            return Err(Failure::BadInput(format!("--mappers: '{name}' is given twice; name each mapper once")));
+        }
+        entries.push(entry);
+    }
+    Ok(entries)
+}
+
+fn seeds(options: &RoomOptions) -> Result<Vec<u64>, Failure> {
+    let count = options.seeds.get() as u64;
+    let end = options.seed.checked_add(count).ok_or_else(|| {
+        Failure::BadInput(format!("--seed {}: {count} seeds from there pass {}; begin lower", options.seed, u64::MAX))
+    })?;
+    Ok((options.seed..end).collect())
+}
+
+fn set_threads(options: &RoomOptions) -> Result<(), Failure> {
+    let Some(threads) = options.threads else { return Ok(()) };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.get());
+    pool.build_global().map_err(|e| Failure::BadInput(format!("--threads {threads}: {e}; ask for fewer")))
+}
+
+/// One trial per seed; all but the first keep only their scores.
+fn trials(ground: &Ground, seeds: &[u64], mappers: &[&Entry], setup: &Setup) -> Result<Vec<Trial>, Failure> {
+    let names: Vec<&str> = mappers.iter().map(|entry| entry.name).collect();
+    let progress = Progress::new(ground.scans() * mappers.len() * seeds.len(), &names);
+    let trials = seeds
+        .par_iter()
+        .map(|&seed| {
+            let trial = ground.trial(seed, mappers, setup, &progress)?;
+            Ok(if seed == seeds[0] { trial } else { trial.without_maps() })
+        })
+        .collect();
+    progress.finish();
+    trials
+}
+
+fn stages(ground: &Ground, trial: &Trial) -> Vec<Stage> {
+    let plans = ground.scene.stages.iter().zip(&trial.simulation.stages);
+    plans.map(|(plan, done)| Stage { name: plan.name.clone(), label: plan.label.clone(), scans: done.scans }).collect()
+}
+
+fn record(options: &RoomOptions, ground: &Ground, mappers: &[&Entry], stages: &[Stage], claims: &[Claim]) -> Record {
+    Record {
+        schema_version: 1,
+        command: "room",
+        seed: options.seed,
+        configuration: Configuration {
+            scene: options.scene.display().to_string(),
+            seeds: options.seeds.get(),
+            mappers: mappers.iter().map(|entry| entry.name).collect(),
+            prior: options.belief.prior(),
+            reconciliation: options.belief.reconciliation(),
+            sensor: ground.scene.matcher,
+            columns: ground.scene.camera.columns,
+            field_of_view_rad: ground.scene.camera.field_of_view_rad,
+            robot: Robot::of(&ground.scene),
+        },
+        grid: ground.scene.grid,
+        stages: stages.to_vec(),
+        claims: claims.to_vec(),
+        versions: versions(),
+        files: Vec::new(),
+    }
+}
+
+fn judged(claims: &[Claim]) -> Result<(), Failure> {
+    let failed: Vec<String> =
+        claims.iter().filter(|c| !c.holds).map(|c| format!("{} (measured: {})", c.claim, c.measured)).collect();
+    match failed.len() {
+        0 => Ok(()),
+        n => Err(Failure::Claim(format!("{n} of {} claims fail: {}", claims.len(), failed.join("; ")))),
+    }
+}

@@ -1,0 +1,209 @@
+//! Output folders that are replaced whole or not at all.
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+use crate::failure::Failure;
+
+/// Folders to remove when the program is interrupted.
+static OPEN: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// Name of the file that lists what a run wrote; it is put in place last.
+pub const RECORD: &str = "run.json";
+
+/// A folder of results in the making.
+///
+/// Files are written to a hidden folder inside the output folder and moved to their names by
+/// [`publish`](Self::publish). A run that fails or is killed leaves the former results as they were.
+#[derive(Debug)]
+pub struct Staging {
+    folder: PathBuf,
+    partial: PathBuf,
+    files: Vec<String>,
+    /// Held while the run lasts, so that two runs do not mix their files.
+    _lock: Option<File>,
+}
+
+impl Staging {
+    /// Makes the output folder if need be, and proves before any work that it can be written.
+    ///
+    /// # Errors
+    /// A folder that cannot be written, or that another run is writing.
+    pub fn open(folder: &Path) -> Result<Self, Failure> {
+        let refuse = |what: &str, error: &dyn std::fmt::Display| {
+            Failure::BadInput(format!(
+                "{}: {what}: {error}; choose another folder with --out, or make this one writable",
+                folder.display()
+            ))
+        };
+        fs::create_dir_all(folder).map_err(|e| refuse("the output folder cannot be made", &e))?;
+        let lock = lock(folder).map_err(|()| refuse("the output folder is in use", &"another run is writing to it"))?;
+        remove_leftovers(folder);
+        let partial = folder.join(format!(".partial-{}", std::process::id()));
+        let staging = Self { folder: folder.to_owned(), partial, files: Vec::new(), _lock: lock };
+        fs::create_dir(&staging.partial)
+            .and_then(|()| fs::write(staging.partial.join("probe"), b"x"))
+            .and_then(|()| fs::remove_file(staging.partial.join("probe")))
+            .map_err(|e| refuse("the output folder cannot be written", &e))?;
+        if let Ok(mut open) = OPEN.lock() {
+            open.push(staging.partial.clone());
+        }
+        Ok(staging)
+    }
+
+    /// Writes a file through `fill`, which is handed a buffered writer.
+    ///
+    /// # Errors
+    /// Whatever the system reports, a full disk for example.
+    pub fn write<E: Into<io::Error>>(
+        &mut self,
+        name: &str,
+        fill: impl FnOnce(&mut BufWriter<File>) -> Result<(), E>,
+    ) -> Result<(), Failure> {
+        let path = self.path(name);
+        let written = File::create(&path).and_then(|file| {
+            let mut out = BufWriter::new(file);
+            fill(&mut out).map_err(Into::into)?;
+            out.flush()
+        });
+        written.map_err(|e| Failure::write(&self.folder.join(name), &e))
+    }
+
+    /// Where to write the file of the given name; it is published with the others.
+    pub fn path(&mut self, name: &str) -> PathBuf {
+        if !self.files.iter().any(|f| f == name) {
+            self.files.push(name.to_owned());
+        }
+        self.partial.join(name)
+    }
+
+    /// Names of the files so far, sorted.
+    pub fn files(&self) -> Vec<String> {
+        let mut files = self.files.clone();
+        files.sort();
+        files
+    }
+
+    /// Moves all files to their names, the record last, and removes files that only the former run wrote.
+    ///
+    /// # Errors
+    /// Whatever the system reports.
+    pub fn publish(self) -> Result<(), Failure> {
+        let stale = former_files(&self.folder);
+        let mut files = self.files();
+        files.sort_by_key(|name| name == RECORD);
+        for name in &files {
+            let target = self.folder.join(name);
+            fs::rename(self.partial.join(name), &target).map_err(|e| Failure::write(&target, &e))?;
+        }
+        for name in stale.iter().filter(|name| !files.contains(name)) {
+            let _ = fs::remove_file(self.folder.join(name));
+        }
+        Ok(())
+    }
+}
+
+impl Drop for Staging {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.partial);
+        if let Ok(mut open) = OPEN.lock() {
+            open.retain(|path| path != &self.partial);
+        }
+    }
+}
+
+/// On Ctrl-C, removes what is in the making and ends with exit code 130.
+pub fn clean_up_when_interrupted() {
+    // A second handler in one process is refused; the first does the same.
+    let _ = ctrlc::set_handler(|| {
+        if let Ok(open) = OPEN.lock() {
+            for path in open.iter() {
+                let _ = fs::remove_dir_all(path);
+            }
+        }
+        std::process::exit(130);
+    });
+}
+
+/// An exclusive lock on the folder itself; none where the system has no such locks.
+fn lock(folder: &Path) -> Result<Option<File>, ()> {
+    let Ok(handle) = File::open(folder) else { return Ok(None) };
+    match handle.try_lock() {
+        Ok(()) => Ok(Some(handle)),
+        Err(fs::TryLockError::WouldBlock) => Err(()),
+        Err(fs::TryLockError::Error(_)) => Ok(None),
+    }
+}
+
+/// What a killed run left behind. Safe under the lock.
+fn remove_leftovers(folder: &Path) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        if entry.file_name().to_string_lossy().starts_with(".partial-") {
+            let _ = fs::remove_dir_all(entry.path());
+        }
+    }
+}
+
+/// Files that the former run says it wrote: plain names only.
+fn former_files(folder: &Path) -> Vec<String> {
+    let record = fs::read(folder.join(RECORD)).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok());
+    let record: serde_json::Value = record.unwrap_or_default();
+    let names = record["files"].as_array().into_iter().flatten().filter_map(|name| name.as_str());
+    names.filter(|name| !name.contains(['/', '\\']) && !name.starts_with('.')).map(str::to_owned).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn put(staging: &mut Staging, name: &str, text: &str) {
+        staging.write(name, |out| out.write_all(text.as_bytes())).expect("writable");
+    }
+
+    #[test]
+    fn published_files_replace_those_of_the_former_run_and_no_others() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        fs::write(folder.path().join("mine.txt"), "keep").expect("writable");
+        for (name, record) in [("old.csv", r#"{"files":["old.csv","run.json","../x"]}"#), ("new.csv", "{}")] {
+            let mut staging = Staging::open(folder.path()).expect("writable");
+            put(&mut staging, name, "1");
+            put(&mut staging, RECORD, record);
+            staging.publish().expect("writable");
+        }
+        let mut left: Vec<_> =
+            fs::read_dir(folder.path()).expect("there").map(|e| e.expect("entry").file_name()).collect();
+        left.sort();
+        assert_eq!(left, ["mine.txt", "new.csv", "run.json"]);
+    }
+
+    #[test]
+    fn a_run_that_ends_early_leaves_nothing() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let mut staging = Staging::open(folder.path()).expect("writable");
+        put(&mut staging, "a.csv", "1");
+        drop(staging);
+        assert_eq!(fs::read_dir(folder.path()).expect("there").count(), 0);
+    }
+
+    #[test]
+    fn two_runs_do_not_share_a_folder_and_leftovers_of_killed_ones_go() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        fs::create_dir(folder.path().join(".partial-1")).expect("writable");
+        let first = Staging::open(folder.path()).expect("writable");
+        assert!(!folder.path().join(".partial-1").exists());
+        let second = Staging::open(folder.path()).expect_err("in use");
+        assert!(second.to_string().contains("another run"), "{second}");
+        drop(first);
+        Staging::open(folder.path()).expect("free again");
+    }
+
+    #[test]
+    fn a_file_in_the_way_is_refused_before_any_work() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let path = folder.path().join("out");
+        fs::write(&path, "a file").expect("writable");
+        assert!(matches!(Staging::open(&path), Err(Failure::BadInput(_))));
+    }
+}

@@ -1,0 +1,87 @@
+//! What `room` prints: the numbers that a person looks at first.
+
+use std::fmt::Write as _;
+
+use score::Summary;
+
+use crate::claims::Claim;
+use crate::record::Stage;
+use crate::table::aligned;
+use crate::trial::{Ground, Trial};
+
+/// A column of a summary table: heading, metric, decimals.
+type Column = (&'static str, &'static str, usize);
+
+const OBSERVABLE: [Column; 7] = [
+    ("log loss", "log_loss", 3),
+    ("Brier", "brier", 4),
+    ("AUC", "auc", 3),
+    ("IoU", "iou", 2),
+    ("retention", "retention", 3),
+    ("phantom", "phantom_area", 2),
+    ("missed", "missed_area", 2),
+];
+
+const REGION: [Column; 5] = [
+    ("log loss", "log_loss", 3),
+    ("Brier", "brier", 4),
+    ("held free", "free_known", 3),
+    ("held occupied", "free_lost", 3),
+    ("retention", "retention", 3),
+];
+
+/// Tables of the last stage over what was observable and in every named region, then the claims.
+pub fn text(ground: &Ground, trials: &[Trial], stages: &[Stage], claims: &[Claim]) -> String {
+    let mut text = String::new();
+    let (Some(stage), Some(first)) = (stages.last(), trials.first()) else { return text };
+    let last = stages.len() - 1;
+    let spec = &ground.scene.grid;
+    let _ = writeln!(
+        text,
+        "{}: {}, {} scans of {} columns, {} x {} cells of {} m\n",
+        ground.scene.name,
+        match trials.len() {
+            1 => format!("seed {}", first.seed),
+            n => format!("seeds {} to {}, mean ± standard deviation", first.seed, first.seed + n as u64 - 1),
+        },
+        ground.scans(),
+        ground.scene.camera.columns,
+        spec.width,
+        spec.height,
+        spec.cell_m
+    );
+    let mut section = |title: &str, region: &str, columns: &[Column]| {
+        let _ = writeln!(text, "Stage {}, {}: {title}", stage.name, stage.label);
+        let heads: Vec<&str> = ["mapper"].into_iter().chain(columns.iter().map(|c| c.0)).collect();
+        let rows: Vec<Vec<String>> = first
+            .runs
+            .iter()
+            .map(|run| {
+                let cells = columns
+                    .iter()
+                    .map(|(_, metric, decimals)| spread(trials, run.mapper, last, region, metric, *decimals));
+                [run.mapper.to_owned()].into_iter().chain(cells).collect()
+            })
+            .collect();
+        let _ = writeln!(text, "{}", aligned(&heads, &rows));
+    };
+    section("all that could be seen (areas in m²)", "observable", &OBSERVABLE);
+    for region in &ground.scene.regions {
+        section(&format!("free cells of region {}", region.name), &region.name, &REGION);
+    }
+    for claim in claims {
+        let verdict = if claim.holds { "holds" } else { "FAILS" };
+        let _ = writeln!(text, "{verdict}  {} ({})", claim.claim, claim.measured);
+    }
+    text
+}
+
+/// A metric over the seeds, as text.
+pub fn spread(trials: &[Trial], mapper: &str, stage: usize, region: &str, metric: &str, decimals: usize) -> String {
+    let values = trials.iter().filter_map(|trial| trial.metric(mapper, stage, region, metric)?.value);
+    match Summary::of(&values.collect::<Vec<_>>()) {
+        None => "-".to_owned(),
+        Some(Summary { mean, standard_deviation: Some(sd), .. }) => format!("{mean:.decimals$} ±{sd:.decimals$}"),
+        Some(Summary { mean, .. }) => format!("{mean:.decimals$}"),
+    }
+}

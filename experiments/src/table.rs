@@ -1,0 +1,152 @@
+//! Tables: one value, three views.
+
+use std::io::Write;
+
+use serde_json::{Map, Value, json};
+
+use crate::failure::Failure;
+
+/// A table with named columns. A value that does not exist is null: an empty field in CSV.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
+    columns: Vec<&'static str>,
+    rows: Vec<Vec<Value>>,
+}
+
+impl Table {
+    /// No rows yet.
+    pub fn new(columns: &[&'static str]) -> Self {
+        Self { columns: columns.to_vec(), rows: Vec::new() }
+    }
+
+    /// Adds a row with one value per column.
+    ///
+    /// # Panics
+    /// If the number of values is not the number of columns.
+    pub fn push(&mut self, row: Vec<Value>) {
+        assert_eq!(row.len(), self.columns.len(), "one value per column");
+        self.rows.push(row);
+    }
+
+    /// Names of the columns.
+    pub fn columns(&self) -> &[&'static str] {
+        &self.columns
+    }
+
+    /// The rows, one value per column.
+    pub fn rows(&self) -> &[Vec<Value>] {
+        &self.rows
+    }
+
+    /// Writes the table as CSV.
+    ///
+    /// # Errors
+    /// Whatever the writer reports.
+    pub fn write_csv(&self, out: impl Write) -> Result<(), csv::Error> {
+        let mut csv = csv::Writer::from_writer(out);
+        csv.write_record(&self.columns)?;
+        for row in &self.rows {
+            csv.write_record(row.iter().map(field))?;
+        }
+        Ok(csv.flush()?)
+    }
+
+    /// The table as JSON: `{"schema_version": 1, "rows": [{column: value}]}`.
+    pub fn to_json(&self) -> Value {
+        let object = |row: &Vec<Value>| -> Value {
+            self.columns.iter().map(|c| (*c).to_owned()).zip(row.iter().cloned()).collect::<Map<_, _>>().into()
+        };
+        json!({ "schema_version": 1, "rows": self.rows.iter().map(object).collect::<Vec<_>>() })
+    }
+
+    /// Writes the table to stdout as CSV, or as JSON.
+    ///
+    /// # Errors
+    /// A stdout that cannot be written.
+    pub fn print(&self, json: bool) -> Result<(), Failure> {
+        if json {
+            return print(&format!("{:#}\n", self.to_json()));
+        }
+        let mut bytes = Vec::new();
+        self.write_csv(&mut bytes).map_err(Failure::internal)?;
+        print(&String::from_utf8_lossy(&bytes))
+    }
+}
+
+/// Writes to stdout. A reader that has gone away, as `head` does, is no error.
+///
+/// # Errors
+/// A stdout that cannot be written.
+pub fn print(text: &str) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(Failure::Internal(format!("stdout: cannot be written: {error}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn field(value: &Value) -> String {
+    match value {
+        Value::Null => String::new(),
+        Value::String(text) => text.clone(),
+        other => other.to_string(),
+    }
+}
+
+/// A number with six significant digits: enough to see every change that matters, few enough to be
+/// the same on another machine. What is not finite does not exist.
+pub fn rounded(value: f64) -> Value {
+    if !value.is_finite() {
+        return Value::Null;
+    }
+    let text = format!("{value:.5e}");
+    let nearest: f64 = text.parse().unwrap_or(value);
+    json!(if nearest == 0.0 { 0.0 } else { nearest }) // no minus zero
+}
+
+/// [`rounded`], or null.
+pub fn optional(value: Option<f64>) -> Value {
+    value.map_or(Value::Null, rounded)
+}
+
+/// A table for reading: columns are aligned, numbers to the right, and nothing is drawn but a line
+/// under the heads.
+pub fn aligned(heads: &[&str], rows: &[Vec<String>]) -> String {
+    use comfy_table::{CellAlignment, LineStyle, Table as Text, TableStyle};
+    let rule = LineStyle::none().fill('─').junction('─');
+    let mut text = Text::new();
+    text.load_style(TableStyle::new().header_separator(rule)).set_header(heads).add_rows(rows);
+    for (i, column) in text.column_iter_mut().enumerate() {
+        column.set_padding((0, 2));
+        if i > 0 {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    let lines: Vec<String> = text.to_string().lines().map(|line| line.trim_end().to_owned()).collect();
+    lines.join("\n") + "\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn six_digits_and_no_minus_zero() {
+        assert_eq!(rounded(0.123_456_789), json!(0.123457));
+        assert_eq!(rounded(-123_456_789.0), json!(-123_457_000.0));
+        assert_eq!(rounded(-0.0).to_string(), "0.0");
+        assert_eq!(rounded(f64::NAN), Value::Null);
+    }
+
+    #[test]
+    fn an_absent_value_is_an_empty_field_and_a_null() {
+        let mut table = Table::new(&["a", "b"]);
+        table.push(vec![json!("x,y"), Value::Null]);
+        let mut csv = Vec::new();
+        table.write_csv(&mut csv).expect("memory");
+        assert_eq!(String::from_utf8(csv).expect("text"), "a,b\n\"x,y\",\n");
+        assert_eq!(table.to_json(), json!({"schema_version": 1, "rows": [{"a": "x,y", "b": null}]}));
+    }
+}
