@@ -24,7 +24,11 @@ pub fn run(options: &CheckOptions) -> Result<(), Failure> {
         Format::Csv => table.print(false),
         Format::Json => table.print(true),
         Format::Text => {
-            let text = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+            let text = |value: &Value| match value.as_str() {
+                Some("1") => String::new(), // a number of things has no unit to show
+                Some(text) => text.to_owned(),
+                None => value.to_string(),
+            };
             let rows: Vec<Vec<String>> = table.rows().iter().map(|row| row.iter().map(text).collect()).collect();
             table::print(&format!(
                 "{}: valid\n\n{}",
@@ -67,6 +71,7 @@ fn facts(ground: &Ground) -> Vec<(String, Value, &'static str)> {
         ("scans".to_owned(), json!(ground.scans()), "1"),
         ("rays".to_owned(), json!(rays), "1"),
         ("rays that end on an obstacle".to_owned(), json!(hits), "1"),
+        ("... but in no occupied cell".to_owned(), json!(seen.hits_without_surface()), "1"),
     ];
     for (name, scans) in &ground.drive.stage_ends {
         facts.push((format!("stage {name} ends after scan"), json!(scans), "1"));

@@ -25,9 +25,20 @@ pub const ONCE_FREE: f64 = 0.9;
 /// ... and that it must hold occupied in the end.
 pub const LOST: f64 = 0.1;
 
-/// Metrics on which `visibility` must beat `conventional`, with whether more is better.
-const BETTER_ON: [(&str, bool); 4] =
-    [("log_loss", false), ("brier", false), ("phantom_area", false), ("retention", true)];
+/// Metrics on which `visibility` must beat `conventional`.
+const BETTER_ON: [(&str, Better, &str); 4] = [
+    ("log_loss", Better::Lower, "log loss"),
+    ("brier", Better::Lower, "Brier score"),
+    ("phantom_area", Better::Lower, "phantom area"),
+    ("retention", Better::Higher, "free-space retention"),
+];
+
+/// In which direction a metric gets better.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Better {
+    Lower,
+    Higher,
+}
 
 /// Judges the claims at the last stage over the given trials, means over seeds; none where one of the
 /// two mappers did not run.
@@ -44,38 +55,28 @@ pub fn judge(trials: &[Trial], region: &str) -> Vec<Claim> {
     let mean = |mapper: &str, region: &str, metric: &str| mean(trials, mapper, last, region, metric);
     let mut claims = Vec::new();
     for place in [region, "observable"] {
-        for (metric, more_is_better) in BETTER_ON {
+        for (metric, better, name) in BETTER_ON {
             let [ours, theirs] = ["visibility", "conventional"].map(|mapper| mean(mapper, place, metric));
-            let holds = match (ours, theirs) {
-                (Some(a), Some(b)) => {
-                    if more_is_better {
-                        a > b
-                    } else {
-                        a < b
-                    }
-                }
-                _ => false,
-            };
-            let claim = format!("{place}: visibility beats conventional on {metric}");
-            let measured = format!("{} against {}", shown(ours), shown(theirs));
-            claims.push(Claim { claim, measured, holds });
+            let ahead = |(ours, theirs)| if better == Better::Lower { ours < theirs } else { ours > theirs };
+            let word = if better == Better::Lower { "lower" } else { "higher" };
+            claims.push(Claim {
+                claim: format!("{place}: visibility has the {word} {name}"),
+                measured: format!("{} against {}", shown(ours), shown(theirs)),
+                holds: ours.zip(theirs).is_some_and(ahead),
+            });
         }
     }
+    let at_least = |claim: String, value: Option<f64>, bound: f64| Claim {
+        claim,
+        measured: format!("{}, at least {bound}", shown(value)),
+        holds: value.is_some_and(|value| value >= bound),
+    };
     let kept = mean("visibility", region, "free_known");
-    claims.push(Claim {
-        claim: format!("{region}: visibility holds at least {KEPT} of the free cells free in the end"),
-        measured: shown(kept),
-        holds: kept.is_some_and(|kept| kept >= KEPT),
-    });
-    let lost = mean("conventional", region, "free_lost");
+    claims.push(at_least(format!("{region}: visibility still has the free cells free"), kept, KEPT));
     let once = once_free(trials, last, region);
-    claims.push(Claim {
-        claim: format!(
-            "{region}: conventional, which held at least {ONCE_FREE} free once, holds {LOST} or more occupied"
-        ),
-        measured: format!("{} once free, {} lost", shown(once), shown(lost)),
-        holds: lost.is_some_and(|lost| lost >= LOST) && once.is_some_and(|once| once >= ONCE_FREE),
-    });
+    claims.push(at_least(format!("{region}: conventional had the free cells free once"), once, ONCE_FREE));
+    let lost = mean("conventional", region, "free_lost");
+    claims.push(at_least(format!("{region}: conventional now has them occupied"), lost, LOST));
     claims
 }
 

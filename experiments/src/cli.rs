@@ -28,7 +28,7 @@ pub enum Command {
     Room(RoomOptions),
     /// Check a scene file and say what it holds, without mapping anything
     Check(CheckOptions),
-    /// List experiments, mappers, metrics and the scenes at hand
+    /// List experiments, mappers and the scenes at hand
     List(ListOptions),
 }
 

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use clap::CommandFactory as _;
 use mapper::catalogue::MAPPERS;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::cli::{Cli, Format, ListOptions};
 use crate::failure::Failure;
@@ -18,16 +18,16 @@ const SCENES: &str = "scenes";
 /// # Errors
 /// A stdout that cannot be written.
 pub fn run(options: &ListOptions) -> Result<(), Failure> {
-    let mut table = Table::new(&["kind", "name", "summary"]);
+    let mut table = Table::new(&["kind", "name", "summary", "source"]);
     for command in Cli::command().get_subcommands() {
         let about = command.get_about().map(ToString::to_string).unwrap_or_default();
-        table.push(vec![json!("experiment"), json!(command.get_name()), json!(about)]);
+        table.push(vec![json!("experiment"), json!(command.get_name()), json!(about), Value::Null]);
     }
     for entry in MAPPERS {
-        table.push(vec![json!("mapper"), json!(entry.name), json!(format!("{}; {}", entry.summary, entry.source))]);
+        table.push(vec![json!("mapper"), json!(entry.name), json!(entry.summary), json!(entry.source)]);
     }
     for (path, description) in scenes(Path::new(SCENES)) {
-        table.push(vec![json!("scene"), json!(path), json!(description)]);
+        table.push(vec![json!("scene"), json!(path), json!(description), Value::Null]);
     }
     match options.format {
         Format::Csv => table.print(false),

@@ -112,8 +112,10 @@ fn tables<'a>(trials: &[Trial], stage_index: usize, stage: &'a Stage) -> StageTa
             unit => format!("{}, {unit}", score.metric.name.replace('_', " ")),
         });
         let row = |mapper: &str| {
-            let values =
-                scores.iter().map(|score| summary::spread(trials, mapper, stage_index, &region, score.metric.name, 4));
+            let values = scores.iter().map(|score| {
+                let over_seeds = summary::over_seeds(trials, mapper, stage_index, &region, score.metric.name);
+                summary::spread(over_seeds, 4)
+            });
             [mapper.to_owned()].into_iter().chain(values).collect()
         };
         RegionTable {

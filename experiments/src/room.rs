@@ -146,7 +146,7 @@ fn record(options: &RoomOptions, ground: &Ground, mappers: &[&Entry], stages: &[
 
 fn judged(claims: &[Claim]) -> Result<(), Failure> {
     let failed: Vec<String> =
-        claims.iter().filter(|c| !c.holds).map(|c| format!("{} (measured: {})", c.claim, c.measured)).collect();
+        claims.iter().filter(|c| !c.holds).map(|c| format!("{}: {}", c.claim, c.measured)).collect();
     match failed.len() {
         0 => Ok(()),
         n => Err(Failure::Claim(format!("{n} of {} claims fail: {}", claims.len(), failed.join("; ")))),

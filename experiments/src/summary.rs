@@ -38,11 +38,11 @@ pub fn text(ground: &Ground, trials: &[Trial], stages: &[Stage], claims: &[Claim
     let spec = &ground.scene.grid;
     let _ = writeln!(
         text,
-        "{}: {}, {} scans of {} columns, {} x {} cells of {} m\n",
+        "{}: {}, {} scans x {} columns, {} x {} cells of {} m\n",
         ground.scene.name,
         match trials.len() {
             1 => format!("seed {}", first.seed),
-            n => format!("seeds {} to {}, mean ± standard deviation", first.seed, first.seed + n as u64 - 1),
+            n => format!("seeds {} to {} (mean ± sd)", first.seed, first.seed + n as u64 - 1),
         },
         ground.scans(),
         ground.scene.camera.columns,
@@ -53,16 +53,18 @@ pub fn text(ground: &Ground, trials: &[Trial], stages: &[Stage], claims: &[Claim
     let mut section = |title: &str, region: &str, columns: &[Column]| {
         let _ = writeln!(text, "Stage {}, {}: {title}", stage.name, stage.label);
         let heads: Vec<&str> = ["mapper"].into_iter().chain(columns.iter().map(|c| c.0)).collect();
-        let rows: Vec<Vec<String>> = first
-            .runs
-            .iter()
-            .map(|run| {
-                let cells = columns
-                    .iter()
-                    .map(|(_, metric, decimals)| spread(trials, run.mapper, last, region, metric, *decimals));
-                [run.mapper.to_owned()].into_iter().chain(cells).collect()
-            })
-            .collect();
+        let mut rows: Vec<Vec<String>> = Vec::new();
+        for run in &first.runs {
+            let cells = columns.iter().map(|(_, metric, decimals)| {
+                let summary = over_seeds(trials, run.mapper, last, region, metric);
+                (mean(summary, *decimals), deviation(summary, *decimals))
+            });
+            let (means, deviations): (Vec<String>, Vec<String>) = cells.unzip();
+            rows.push([run.mapper.to_owned()].into_iter().chain(means).collect());
+            if trials.len() > 1 {
+                rows.push([String::new()].into_iter().chain(deviations).collect());
+            }
+        }
         let _ = writeln!(text, "{}", aligned(&heads, &rows));
     };
     section("all that could be seen (areas in m²)", "observable", &OBSERVABLE);
@@ -71,17 +73,28 @@ pub fn text(ground: &Ground, trials: &[Trial], stages: &[Stage], claims: &[Claim
     }
     for claim in claims {
         let verdict = if claim.holds { "holds" } else { "FAILS" };
-        let _ = writeln!(text, "{verdict}  {} ({})", claim.claim, claim.measured);
+        let _ = writeln!(text, "{verdict}  {}: {}", claim.claim, claim.measured);
     }
     text
 }
 
-/// A metric over the seeds, as text.
-pub fn spread(trials: &[Trial], mapper: &str, stage: usize, region: &str, metric: &str, decimals: usize) -> String {
+/// A metric over those seeds in which it has a value.
+pub fn over_seeds(trials: &[Trial], mapper: &str, stage: usize, region: &str, metric: &str) -> Option<Summary> {
     let values = trials.iter().filter_map(|trial| trial.metric(mapper, stage, region, metric)?.value);
-    match Summary::of(&values.collect::<Vec<_>>()) {
-        None => "-".to_owned(),
-        Some(Summary { mean, standard_deviation: Some(sd), .. }) => format!("{mean:.decimals$} ±{sd:.decimals$}"),
-        Some(Summary { mean, .. }) => format!("{mean:.decimals$}"),
-    }
+    Summary::of(&values.collect::<Vec<_>>())
+}
+
+/// A mean as text; a dash where there is none.
+fn mean(summary: Option<Summary>, decimals: usize) -> String {
+    summary.map_or_else(|| "-".to_owned(), |s| format!("{:.decimals$}", s.mean))
+}
+
+/// A standard deviation as text; nothing where there is none.
+fn deviation(summary: Option<Summary>, decimals: usize) -> String {
+    summary.and_then(|s| s.standard_deviation).map_or_else(String::new, |sd| format!("±{sd:.decimals$}"))
+}
+
+/// Mean and, of more than one seed, standard deviation as one text.
+pub fn spread(summary: Option<Summary>, decimals: usize) -> String {
+    format!("{} {}", mean(summary, decimals), deviation(summary, decimals)).trim_end().to_owned()
 }

@@ -119,7 +119,7 @@ pub fn aligned(heads: &[&str], rows: &[Vec<String>]) -> String {
     let mut text = Text::new();
     text.load_style(TableStyle::new().header_separator(rule)).set_header(heads).add_rows(rows);
     for (i, column) in text.column_iter_mut().enumerate() {
-        column.set_padding((0, 2));
+        column.set_padding((0, u16::from(i + 1 < heads.len())));
         if i > 0 {
             column.set_cell_alignment(CellAlignment::Right);
         }

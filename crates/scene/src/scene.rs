@@ -197,7 +197,8 @@ mod tests {
     #[test]
     fn masks_hold_the_cells_whose_centres_lie_within() {
         let spec = GridSpec { cell_m: 0.01, origin_m: [0.0; 2], width: 200, height: 100 };
-        let disc = Region { name: "X".to_owned(), area: Area::Disc { center_m: [1.0, 0.5], radius_m: 0.3 }, claims: false };
+        let disc =
+            Region { name: "X".to_owned(), area: Area::Disc { center_m: [1.0, 0.5], radius_m: 0.3 }, claims: false };
         let held = disc.mask(&spec).values().iter().filter(|&&v| v).count() as f64;
         assert!((held * 1e-4 - std::f64::consts::PI * 0.09).abs() < 1e-3, "{held} cells");
         let upright = Area::Rectangle { min_m: [0.3, 0.2], max_m: [0.605, 0.406] };

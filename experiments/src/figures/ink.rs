@@ -35,7 +35,7 @@ pub(super) const LINES: [RGBColor; 7] = [
 
 /// Sizes of lettering, px.
 pub(super) const TITLE: u32 = 22;
-pub(super) const LABEL: u32 = 17;
+pub(super) const LABEL: u32 = 20;
 
 static FONT: OnceLock<bool> = OnceLock::new();
 

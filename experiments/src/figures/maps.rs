@@ -37,12 +37,12 @@ pub(super) fn sheet(ground: &Ground, trial: &Trial, stages: &[Stage], panel: Pan
             let y = GAP + row as u32 * (height + HEAD + GAP);
             let place = |column: usize| (GAP + column as u32 * (width + GAP), y);
             let truth = panel.at(place(0).0, y + HEAD);
-            title(area, place(0), "truth")?;
+            title(area, place(0), width, "truth")?;
             truth.fill(area, |cell| ink::truth(ground.truth[cell]))?;
             regions(area, ground, &truth)?;
             for (column, stage) in stages.iter().enumerate() {
                 let at = place(column + 1);
-                title(area, at, &format!("{}, {}) {}", run.mapper, stage.name, stage.label))?;
+                title(area, at, width, &format!("{} ({}) {}", run.mapper, stage.name, stage.label))?;
                 map(area, ground, run, column, stage, &panel.at(at.0, y + HEAD))?;
             }
         }
@@ -50,9 +50,16 @@ pub(super) fn sheet(ground: &Ground, trial: &Trial, stages: &[Stage], panel: Pan
     })
 }
 
-fn title(area: &Area, (x, y): (u32, u32), text: &str) -> Result<(), Failure> {
-    let at = (x as i32, y as i32 + 6);
-    area.draw(&Text::new(text.to_owned(), at, ink::letters(ink::TITLE, &INK))).map_err(Failure::internal)
+/// A title, cut where the next panel begins.
+fn title(area: &Area, (x, y): (u32, u32), width: u32, text: &str) -> Result<(), Failure> {
+    let style = ink::letters(ink::TITLE, &INK);
+    let fits = |text: &str| style.font.box_size(text).map_or(true, |(needed, _)| needed <= width);
+    let mut shown = text.to_owned();
+    while !fits(&shown) && shown.chars().count() > 2 {
+        shown.truncate(shown.trim_end_matches('…').char_indices().next_back().map_or(0, |(last, _)| last));
+        shown.push('…');
+    }
+    area.draw(&Text::new(shown, (x as i32, y as i32 + 6), style)).map_err(Failure::internal)
 }
 
 fn map(area: &Area, ground: &Ground, run: &Run, column: usize, stage: &Stage, panel: &Panel) -> Result<(), Failure> {
@@ -68,6 +75,6 @@ fn map(area: &Area, ground: &Ground, run: &Run, column: usize, stage: &Stage, pa
 }
 
 fn regions(area: &Area, ground: &Ground, panel: &Panel) -> Result<(), Failure> {
-    let inside = ground.scene.regions.iter().filter(|region| panel.shows(region));
-    inside.map(|region| panel.outline(area, region, true)).collect()
+    let mut inside = ground.scene.regions.iter().filter(|region| panel.shows(region));
+    inside.try_for_each(|region| panel.outline(area, region, true))
 }

@@ -134,15 +134,12 @@ impl Panel {
         Ok(())
     }
 
-    /// A line through points (m).
-    pub(super) fn path(
-        &self,
-        area: &Area,
-        points: impl Iterator<Item = [f64; 2]>,
-        colour: RGBColor,
-    ) -> Result<(), Failure> {
-        let points: Vec<_> = points.map(|point| self.pixel(point)).collect();
-        area.draw(&PathElement::new(points, colour.stroke_width(2))).map_err(Failure::internal)
+    /// A line through points (m). Leg by leg: a line that turns back on itself would lose its width.
+    pub(super) fn path(&self, area: &Area, points: &[[f64; 2]], colour: RGBColor) -> Result<(), Failure> {
+        points.windows(2).try_for_each(|leg| {
+            let ends: Vec<_> = leg.iter().map(|&point| self.pixel(point)).collect();
+            area.draw(&PathElement::new(ends, colour.stroke_width(3))).map_err(Failure::internal)
+        })
     }
 
     /// The robot: a disc with a line where it looks.

@@ -13,7 +13,7 @@ pub const CAPTION: &str = "The scene as the truth has it (compare Figure 11): ob
     stops, regions orange. Space that nobody knows the truth about is tinted and never scored.";
 
 const MARGIN: u32 = 24;
-const FOOT: u32 = 56;
+const FOOT: u32 = 44;
 const WIDTH: usize = 1000;
 
 /// Draws the scene.
@@ -26,24 +26,27 @@ pub fn draw(ground: &Ground) -> Result<Vec<u8>, Failure> {
     let (width, height) = panel.size();
     png((width + 2 * MARGIN, height + 2 * MARGIN + FOOT), |area| {
         panel.fill(area, |cell| ink::truth(ground.truth[cell]))?;
-        panel.path(area, ground.drive.poses.iter().map(|timed| timed.pose.position_m()), ROUTE)?;
+        let stops = 0..scene.stops.len();
+        let way: Vec<[f64; 2]> = stops.clone().map(|stop| scene.waypoint_of(stop).at_m).collect();
+        panel.path(area, &way, ROUTE)?;
         for region in &scene.regions {
             panel.outline(area, region, true)?;
         }
         if let Some(start) = ground.drive.poses.first() {
             panel.robot(area, &start.pose, scene.robot.radius_m, ROUTE)?;
         }
+        let beside = (scene.robot.radius_m * panel.scale()) as i32;
         for waypoint in &scene.waypoints {
             let (x, y) = panel.pixel(waypoint.at_m);
-            area.draw(&Circle::new((x, y), 5, ROUTE.filled())).map_err(Failure::internal)?;
-            let style = ink::letters(26, &ROUTE);
-            area.draw(&Text::new(waypoint.name.clone(), (x + 8, y + 4), style)).map_err(Failure::internal)?;
+            area.draw(&Circle::new((x, y), 6, ROUTE.filled())).map_err(Failure::internal)?;
+            let style = ink::letters(32, &ROUTE);
+            area.draw(&Text::new(waypoint.name.clone(), (x + beside, y + 6), style)).map_err(Failure::internal)?;
         }
         scale_bar(area, &panel, (MARGIN, MARGIN + height + 16))?;
-        let route: Vec<&str> = (0..scene.stops.len()).map(|stop| scene.waypoint_of(stop).name.as_str()).collect();
-        let text = format!("{}; route {}", scene.description, route.join(" → "));
-        let at = ((MARGIN as f64 + panel.scale()) as i32 + 24, (MARGIN + height + 10) as i32);
-        area.draw(&Text::new(text, at, ink::letters(ink::LABEL, &INK))).map_err(Failure::internal)
+        let route: Vec<&str> = stops.map(|stop| scene.waypoint_of(stop).name.as_str()).collect();
+        let text = format!("{}. Route: {}", scene.description, route.join(", "));
+        let at = ((MARGIN as f64 + panel.scale()) as i32 + 24, (MARGIN + height + 8) as i32);
+        area.draw(&Text::new(text, at, ink::letters(24, &INK))).map_err(Failure::internal)
     })
 }
 
@@ -56,5 +59,5 @@ fn scale_bar(area: &super::Area, panel: &Panel, (x, y): (u32, u32)) -> Result<()
         area.draw(&PathElement::new(line, FAINT.stroke_width(2))).map_err(Failure::internal)?;
     }
     let style = ink::letters(ink::LABEL, &FAINT);
-    area.draw(&Text::new("1 m", ((x + end) / 2 - 14, y + 8), style)).map_err(Failure::internal)
+    area.draw(&Text::new("1 m", ((x + end) / 2 - 16, y + 6), style)).map_err(Failure::internal)
 }

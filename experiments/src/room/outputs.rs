@@ -10,8 +10,9 @@ use crate::figures;
 use crate::record::{Record, Stage};
 use crate::report::{self, Picture};
 use crate::staging::{RECORD, Staging};
+use crate::summary::over_seeds;
 use crate::table::{Table, optional, rounded};
-use crate::trial::{Ground, Trial};
+use crate::trial::{Ground, RegionScore, Trial};
 
 /// Every metric of every seed, mapper, stage and region.
 pub(super) fn metrics(ground: &Ground, trials: &[Trial], stages: &[Stage]) -> Table {
@@ -50,6 +51,9 @@ pub(super) fn write(
 ) -> Result<(), Failure> {
     let first = &trials[0];
     csv(staging, "metrics.csv", metrics)?;
+    if trials.len() > 1 {
+        csv(staging, "summary.csv", &summary(ground, trials, stages))?;
+    }
     csv(staging, "scans.csv", &scans(first))?;
     csv(staging, "timeline.csv", &timeline(first))?;
     let truth = ground.truth.map(|cell| cell.map_or(f32::NAN, |occupied| f32::from(u8::from(occupied))));
@@ -70,6 +74,45 @@ pub(super) fn write(
         serde_json::to_writer_pretty(&mut *out, record)?;
         writeln!(out)
     })
+}
+
+/// Mean and spread over the seeds of every metric.
+fn summary(ground: &Ground, trials: &[Trial], stages: &[Stage]) -> Table {
+    let mut table = Table::new(&[
+        "scene",
+        "mapper",
+        "stage",
+        "region",
+        "metric",
+        "mean",
+        "standard_deviation",
+        "minimum",
+        "maximum",
+        "seeds",
+        "unit",
+    ]);
+    for run in &trials[0].runs {
+        for (i, (stage, map)) in stages.iter().zip(&run.stages).enumerate() {
+            for RegionScore { region, metric } in &map.scores {
+                let spread = over_seeds(trials, run.mapper, i, region, metric.name);
+                let value = |of: fn(&score::Summary) -> Option<f64>| optional(spread.as_ref().and_then(of));
+                table.push(vec![
+                    json!(ground.scene.name),
+                    json!(run.mapper),
+                    json!(stage.name),
+                    json!(region),
+                    json!(metric.name),
+                    value(|s| Some(s.mean)),
+                    value(|s| s.standard_deviation),
+                    value(|s| Some(s.minimum)),
+                    value(|s| Some(s.maximum)),
+                    json!(spread.map_or(0, |s| s.count)),
+                    json!(metric.unit),
+                ]);
+            }
+        }
+    }
+    table
 }
 
 fn csv(staging: &mut Staging, name: &str, table: &Table) -> Result<(), Failure> {

@@ -1,0 +1,261 @@
+//! The command line as a user meets it: exit codes, messages, files, and the same bytes every time.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::process::Output;
+
+use assert_cmd::Command;
+use tempfile::TempDir;
+
+/// A small closed room with a box, seen by few columns: done in a moment.
+const SCENE: &str = r#"
+name = "closet"
+[bounds]
+min = [0.0, 0.0]
+max = [3.0, 2.0]
+[grid]
+cell = 0.1
+[[wall]]
+from = [0.05, 0.05]
+to = [2.95, 0.05]
+thickness = 0.1
+[[wall]]
+from = [2.95, 0.05]
+to = [2.95, 1.95]
+thickness = 0.1
+[[wall]]
+from = [2.95, 1.95]
+to = [0.05, 1.95]
+thickness = 0.1
+[[wall]]
+from = [0.05, 1.95]
+to = [0.05, 0.05]
+thickness = 0.1
+[[box]]
+center = [2.0, 0.5]
+size = [0.4, 0.4]
+[waypoints]
+A = [0.5, 1.0]
+B = [2.4, 1.2]
+[route]
+stops = ["A", "B", "A"]
+[[region]]
+name = "X"
+center = [1.2, 1.0]
+radius = 0.3
+[camera]
+columns = 24
+field_of_view_deg = 70.0
+[robot]
+radius = 0.15
+speed = 0.5
+turn_rate_deg = 60.0
+scan_interval = 0.5
+"#;
+
+struct Place {
+    folder: TempDir,
+}
+
+impl Place {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        fs::write(folder.path().join("closet.toml"), SCENE).expect("writable");
+        Self { folder }
+    }
+
+    fn path(&self) -> &Path {
+        self.folder.path()
+    }
+
+    fn run(&self, args: &[&str]) -> Output {
+        let mut command = Command::cargo_bin("experiments").expect("built");
+        command.current_dir(self.path()).args(args).output().expect("runs")
+    }
+
+    /// Runs and expects an exit code; gives stdout and stderr.
+    fn expect(&self, code: i32, args: &[&str]) -> (String, String) {
+        let output = self.run(args);
+        let [out, err] = [&output.stdout, &output.stderr].map(|bytes| String::from_utf8_lossy(bytes).into_owned());
+        assert_eq!(output.status.code(), Some(code), "{args:?}\nstdout: {out}\nstderr: {err}");
+        (out, err)
+    }
+
+    fn edit(&self, from: &str, to: &str) {
+        assert!(SCENE.contains(from), "{from}");
+        fs::write(self.path().join("closet.toml"), SCENE.replacen(from, to, 1)).expect("writable");
+    }
+}
+
+/// Every file of a folder with its bytes.
+fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let entries = fs::read_dir(folder).expect("there").map(|entry| entry.expect("entry").path());
+    let read = |path: std::path::PathBuf| {
+        (path.file_name().expect("named").to_string_lossy().into_owned(), fs::read(&path).expect("readable"))
+    };
+    entries.map(read).collect()
+}
+
+#[test]
+fn room_leaves_every_file_it_promises() {
+    let place = Place::new();
+    let (out, err) = place.expect(0, &["room", "--scene", "closet.toml"]);
+    assert!(out.contains("visibility-printed") && err.contains("report.html"));
+    let found = files(&place.path().join("results/closet"));
+    let names: Vec<&str> = found.keys().map(String::as_str).collect();
+    let expected = [
+        "conventional-end.npy",
+        "maps.png",
+        "metrics.csv",
+        "regions.png",
+        "report.html",
+        "run.json",
+        "scans.csv",
+        "scene.png",
+        "timeline.csv",
+        "timeline.png",
+        "truth.npy",
+        "visibility-end.npy",
+        "visibility-printed-end.npy",
+    ];
+    assert_eq!(names, expected);
+
+    let record: serde_json::Value = serde_json::from_slice(&found["run.json"]).expect("JSON");
+    assert_eq!(record["schema_version"], 1);
+    assert_eq!(record["grid"], serde_json::json!({"cell_m": 0.1, "origin_m": [0.0, 0.0], "width": 30, "height": 20}));
+    assert_eq!(record["files"].as_array().map(Vec::len), Some(expected.len()));
+
+    let text = |name: &str| String::from_utf8(found[name].clone()).expect("text");
+    let metrics = text("metrics.csv");
+    assert!(metrics.starts_with("scene,seed,mapper,stage,region,metric,value,unit,support\n"));
+    // Mappers x regions x metrics, and the head.
+    assert_eq!(metrics.lines().count(), 3 * 7 * 13 + 1);
+    let scans = text("scans.csv");
+    assert!(scans.starts_with("scan,time_s,x_m,y_m,theta_rad,bearing_rad,disparity_px,true_range_m\n"));
+    assert!(!text("report.html").contains("http"), "the report needs no network");
+    let truth = &found["truth.npy"];
+    assert_eq!(truth.len() % 64, (30 * 20 * 4) % 64, "a padded NPY head and 600 float32");
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bytes_with_any_number_of_threads() {
+    let place = Place::new();
+    for (folder, threads) in [("one", "1"), ("two", "2"), ("again", "2")] {
+        place.expect(0, &["room", "--scene", "closet.toml", "--out", folder, "--threads", threads, "--seeds", "3"]);
+    }
+    let one = files(&place.path().join("one"));
+    assert_eq!(one, files(&place.path().join("two")));
+    assert_eq!(one, files(&place.path().join("again")));
+    place.expect(0, &["room", "--scene", "closet.toml", "--out", "other", "--seed", "2"]);
+    assert_ne!(one["scans.csv"], files(&place.path().join("other"))["scans.csv"]);
+}
+
+#[test]
+fn an_absent_reading_is_an_empty_field() {
+    let place = Place::new();
+    place.edit("[robot]", "[sensor]\ndetection_rate = 0.0\n[robot]");
+    place.expect(0, &["room", "--scene", "closet.toml", "--out", "o"]);
+    let scans = String::from_utf8(fs::read(place.path().join("o/scans.csv")).expect("there")).expect("text");
+    assert!(scans.lines().skip(1).all(|line| line.split(',').nth(6) == Some("")));
+}
+
+#[test]
+fn tables_as_csv_and_json_hold_the_same_rows() {
+    let place = Place::new();
+    let args = ["room", "--scene", "closet.toml", "--out", "o", "--mappers", "conventional", "--format"];
+    let (csv, _) = place.expect(0, &[&args[..], &["csv"]].concat());
+    assert_eq!(csv.as_bytes(), files(&place.path().join("o"))["metrics.csv"]);
+    let (json, _) = place.expect(0, &[&args[..], &["json"]].concat());
+    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    assert_eq!(json["rows"].as_array().map(Vec::len), Some(csv.lines().count() - 1));
+    assert_eq!(json["rows"][0]["metric"], "log_loss");
+}
+
+#[test]
+fn a_claim_that_does_not_hold_is_exit_code_3_and_says_which() {
+    let place = Place::new();
+    // In a closet nothing is far: the conventional rule loses nothing.
+    place.edit("radius = 0.3", "radius = 0.3\nclaims = true");
+    let (out, err) = place.expect(3, &["room", "--scene", "closet.toml", "--out", "o"]);
+    assert!(err.contains("X: conventional now has them occupied: 0.0000, at least 0.1"), "{err}");
+    assert!(out.contains("FAILS  X: conventional now has them occupied"));
+    assert!(place.path().join("o/metrics.csv").exists(), "the results are there to look into");
+    // With one of the two mappers there is nothing to claim.
+    place.expect(0, &["room", "--scene", "closet.toml", "--out", "o", "--mappers", "visibility"]);
+}
+
+#[test]
+fn bad_options_are_refused_before_any_work() {
+    let place = Place::new();
+    let refused = |args: &[&str], message: &str| {
+        let (_, err) = place.expect(2, &[&["room", "--scene", "closet.toml", "--out", "o"], args].concat());
+        assert!(err.contains(message), "{args:?}: {err}");
+        assert!(!place.path().join("o").exists(), "{args:?} left something");
+    };
+    refused(&["--mappers", "visibilty"], "no mapper 'visibilty'; the nearest is 'visibility', all are: visibility, ");
+    refused(&["--mappers", "conventional,conventional"], "given twice");
+    refused(&["--grid", "0"], "must be a number above 0 and finite");
+    refused(&["--grid", "nan"], "must be a number above 0 and finite");
+    refused(&["--prior", "1.5"], "must be a number from 0 to 1");
+    refused(&["--seeds", "0"], "--seeds");
+    refused(&["--seed", "18446744073709551615", "--seeds", "2"], "begin lower");
+    refused(&["--threads", "0"], "--threads");
+    refused(&["--format", "xml"], "csv");
+}
+
+#[test]
+fn a_bad_scene_is_one_line_with_its_place_and_leaves_nothing() {
+    let place = Place::new();
+    place.edit("size = [0.4, 0.4]", "size = [0.4, -0.2]");
+    for args in [&["room", "--scene", "closet.toml", "--out", "o"][..], &["check", "closet.toml"]] {
+        let (out, err) = place.expect(2, args);
+        assert!(err.starts_with("error: closet.toml:26:8:"), "{err}");
+        assert!(err.contains("-0.2") && err.lines().count() == 1, "{err}");
+        assert_eq!(out, "");
+        assert!(!place.path().join("o").exists());
+    }
+    let (_, err) = place.expect(2, &["check", "nowhere.toml"]);
+    assert!(err.contains("nowhere.toml"), "{err}");
+}
+
+#[test]
+fn an_output_folder_that_cannot_be_written_is_refused_and_a_failed_run_keeps_the_former_results() {
+    let place = Place::new();
+    fs::write(place.path().join("file"), "in the way").expect("writable");
+    let (_, err) = place.expect(2, &["room", "--scene", "closet.toml", "--out", "file"]);
+    assert!(err.contains("file: the output folder"), "{err}");
+
+    place.expect(0, &["room", "--scene", "closet.toml", "--out", "o"]);
+    let before = files(&place.path().join("o"));
+    place.edit("B = [2.4, 1.2]", "B = [2.6, 0.45]");
+    let (_, err) = place.expect(2, &["room", "--scene", "closet.toml", "--out", "o"]);
+    assert!(err.contains("blocked") && err.contains("box 1"), "{err}");
+    assert_eq!(before, files(&place.path().join("o")));
+}
+
+#[test]
+fn check_says_what_a_scene_holds() {
+    let place = Place::new();
+    let (out, _) = place.expect(0, &["check", "closet.toml"]);
+    insta::assert_snapshot!(out);
+}
+
+#[test]
+fn list_names_experiments_mappers_and_scenes() {
+    let place = Place::new();
+    fs::create_dir(place.path().join("scenes")).expect("writable");
+    fs::rename(place.path().join("closet.toml"), place.path().join("scenes/closet.toml")).expect("writable");
+    fs::write(place.path().join("scenes/broken.toml"), "name = 1").expect("writable");
+    let (out, _) = place.expect(0, &["list"]);
+    insta::assert_snapshot!(out);
+}
+
+#[test]
+fn the_shipped_scenes_are_valid() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    for scene in ["scenes/room.toml", "scenes/uma.toml"] {
+        let mut command = Command::cargo_bin("experiments").expect("built");
+        command.current_dir(&root).args(["check", scene]).assert().success();
+    }
+}
