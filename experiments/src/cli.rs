@@ -1,6 +1,5 @@
 //! The command line: options and their ranges.
 
-use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -51,13 +50,13 @@ pub struct RoomOptions {
     #[arg(long, value_name = "FILE", default_value = "scenes/room.toml")]
     pub scene: PathBuf,
     /// Seed of the first run
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true)]
     pub seed: u64,
     /// Number of runs, with consecutive seeds; tables then give mean and spread
-    #[arg(long, value_name = "N", default_value = "1")]
-    pub seeds: NonZeroUsize,
+    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = count(MOST_SEEDS))]
+    pub seeds: u32,
     /// Side of a cell in metres, instead of the scene's
-    #[arg(long, value_name = "M", value_parser = positive)]
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive)]
     pub grid: Option<f64>,
     /// Mappers, comma-separated (see `list`)
     #[arg(
@@ -77,18 +76,18 @@ pub struct RoomOptions {
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
     /// Threads to use, all processors if not given; results do not depend on it
-    #[arg(long, value_name = "N")]
-    pub threads: Option<NonZeroUsize>,
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = count(MOST_THREADS))]
+    pub threads: Option<u32>,
 }
 
 /// What the mappers believe before the first reading.
 #[derive(Debug, Clone, Args)]
 pub struct Belief {
     /// Probability that an unseen cell is occupied
-    #[arg(long, value_name = "P", default_value_t = Prior::default().occupancy, value_parser = probability)]
+    #[arg(long, value_name = "P", default_value_t = Prior::default().occupancy, allow_negative_numbers = true, value_parser = probability)]
     pub prior: f64,
     /// Correlation of cells 5 cm apart
-    #[arg(long, value_name = "C", default_value_t = Prior::default().correlation, value_parser = probability)]
+    #[arg(long, value_name = "C", default_value_t = Prior::default().correlation, allow_negative_numbers = true, value_parser = probability)]
     pub correlation: f64,
     /// How the correlation follows the cell size
     #[arg(long, value_enum, default_value_t)]
@@ -144,7 +143,7 @@ pub struct CheckOptions {
     #[arg(value_name = "SCENE")]
     pub scene: PathBuf,
     /// Side of a cell in metres, instead of the scene's
-    #[arg(long, value_name = "M", value_parser = positive)]
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive)]
     pub grid: Option<f64>,
     /// Form of the table on stdout
     #[arg(long, value_enum, default_value_t)]
@@ -157,6 +156,16 @@ pub struct ListOptions {
     /// Form of the table on stdout
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
+}
+
+/// A million maps in one run is a sweep, not a table with a spread.
+const MOST_SEEDS: u32 = 10_000;
+
+/// More threads than any machine has processors only cost memory.
+const MOST_THREADS: u32 = 1024;
+
+fn count(most: u32) -> clap::builder::RangedI64ValueParser<u32> {
+    clap::value_parser!(u32).range(1..=i64::from(most))
 }
 
 fn probability(text: &str) -> Result<f64, String> {

@@ -41,7 +41,7 @@ pub struct Configuration {
     /// Scene file.
     pub scene: String,
     /// Number of consecutive seeds.
-    pub seeds: usize,
+    pub seeds: u32,
     /// Mappers in order.
     pub mappers: Vec<&'static str>,
     /// What the mappers believe before the first reading.

@@ -73,7 +73,7 @@ pub fn entries(names: &[String]) -> Result<Vec<&'static Entry>, Failure> {
         let Some(entry) = catalogue::find(name) else {
             let nearest = known().max_by(|a, b| strsim::jaro(a, name).total_cmp(&strsim::jaro(b, name)));
             return Err(Failure::BadInput(format!(
-                "--mappers: there is no mapper '{name}'; the nearest is '{}', all are: {}",
+                "--mappers: there is no mapper {name:?}; the nearest is '{}', all are: {}",
                 nearest.unwrap_or_default(),
                 known().collect::<Vec<_>>().join(", ")
             )));
@@ -87,7 +87,7 @@ pub fn entries(names: &[String]) -> Result<Vec<&'static Entry>, Failure> {
 }
 
 fn seeds(options: &RoomOptions) -> Result<Vec<u64>, Failure> {
-    let count = options.seeds.get() as u64;
+    let count = u64::from(options.seeds);
     let end = options.seed.checked_add(count).ok_or_else(|| {
         Failure::BadInput(format!("--seed {}: {count} seeds from there pass {}; begin lower", options.seed, u64::MAX))
     })?;
@@ -96,7 +96,7 @@ fn seeds(options: &RoomOptions) -> Result<Vec<u64>, Failure> {
 
 fn set_threads(options: &RoomOptions) -> Result<(), Failure> {
     let Some(threads) = options.threads else { return Ok(()) };
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.get());
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads as usize);
     pool.build_global().map_err(|e| Failure::BadInput(format!("--threads {threads}: {e}; ask for fewer")))
 }
 
@@ -127,7 +127,7 @@ fn record(options: &RoomOptions, ground: &Ground, mappers: &[&Entry], stages: &[
         seed: options.seed,
         configuration: Configuration {
             scene: options.scene.display().to_string(),
-            seeds: options.seeds.get(),
+            seeds: options.seeds,
             mappers: mappers.iter().map(|entry| entry.name).collect(),
             prior: options.belief.prior(),
             reconciliation: options.belief.reconciliation(),

@@ -193,10 +193,12 @@ fn bad_options_are_refused_before_any_work() {
         assert!(err.contains(message), "{args:?}: {err}");
         assert!(!place.path().join("o").exists(), "{args:?} left something");
     };
-    refused(&["--mappers", "visibilty"], "no mapper 'visibilty'; the nearest is 'visibility', all are: visibility, ");
+    refused(&["--mappers", "visibilty"], "no mapper \"visibilty\"; the nearest is 'visibility', all are: visibility, ");
     refused(&["--mappers", "conventional,conventional"], "given twice");
     refused(&["--grid", "0"], "must be a number above 0 and finite");
     refused(&["--grid", "nan"], "must be a number above 0 and finite");
+    refused(&["--grid", "-1"], "must be a number above 0 and finite");
+    refused(&["--threads", "100000"], "1..=1024");
     refused(&["--prior", "1.5"], "must be a number from 0 to 1");
     refused(&["--seeds", "0"], "--seeds");
     refused(&["--seed", "18446744073709551615", "--seeds", "2"], "begin lower");

@@ -69,35 +69,49 @@ fn kkt(claims: &[Claim]) -> Vec<((usize, usize), Joint)> {
         .collect()
 }
 
-const SPEC: GridSpec = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: 4, height: 3 };
+/// A small grid and 4-connected walks over it with a joint for each step.
+#[derive(Debug, Clone)]
+struct Walks {
+    spec: GridSpec,
+    walks: Vec<(Vec<usize>, Vec<Joint>)>,
+}
 
-/// A 4-connected walk over the grid and a joint for each of its steps, each nearly independent, so
-/// that no clamp acts and least squares alone is compared.
-fn walks() -> impl Strategy<Value = Vec<(Vec<usize>, Vec<Joint>)>> {
+fn walks() -> impl Strategy<Value = Walks> {
+    let spec = (1usize..=5, 1usize..=4).prop_filter("some edge", |(w, h)| w * h > 1);
+    spec.prop_flat_map(|(width, height)| {
+        let spec = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width, height };
+        walks_over(spec).prop_map(move |walks| Walks { spec, walks })
+    })
+}
+
+/// Joints are nearly independent, so that no clamp acts and least squares alone is compared.
+fn walks_over(spec: GridSpec) -> impl Strategy<Value = Vec<(Vec<usize>, Vec<Joint>)>> {
     let joint = (0.3f64..0.7, 0.3f64..0.7, -0.05f64..0.05).prop_map(|(p, q, d)| Joint::new(p, q, p * q + d));
-    let walk = (0usize..4, 0usize..3, prop::collection::vec((any::<bool>(), joint), 1..6)).prop_map(|(x, y, steps)| {
-        let (mut column, mut row) = (x, y);
-        let mut cells = vec![SPEC.index(column, row)];
-        let mut joints = Vec::new();
-        for (right, joint) in steps {
-            if right && column + 1 < SPEC.width {
-                column += 1;
-            } else if row + 1 < SPEC.height {
-                row += 1;
-            } else {
-                break;
+    let walk = (0..spec.width, 0..spec.height, prop::collection::vec((any::<bool>(), joint), 1..6)).prop_map(
+        move |(x, y, steps)| {
+            let (mut column, mut row) = (x, y);
+            let mut cells = vec![spec.index(column, row)];
+            let mut joints = Vec::new();
+            for (right, joint) in steps {
+                if right && column + 1 < spec.width {
+                    column += 1;
+                } else if row + 1 < spec.height {
+                    row += 1;
+                } else {
+                    break;
+                }
+                cells.push(spec.index(column, row));
+                joints.push(joint);
             }
-            cells.push(SPEC.index(column, row));
-            joints.push(joint);
-        }
-        (cells, joints)
-    });
+            (cells, joints)
+        },
+    );
     prop::collection::vec(walk, 1..5).prop_filter("some pair", |w| w.iter().any(|(_, joints)| !joints.is_empty()))
 }
 
-fn reconciled(walks: &[(Vec<usize>, Vec<Joint>)], rule: Reconciliation) -> PairwiseGrid {
-    let mut pairs = PairwiseGrid::prior(SPEC, &Prior { occupancy: 0.5, correlation: 0.1, ..Prior::default() });
-    let mut moments = Moments::new(SPEC);
+fn reconciled(Walks { spec, walks }: &Walks, rule: Reconciliation) -> PairwiseGrid {
+    let mut pairs = PairwiseGrid::prior(*spec, &Prior { occupancy: 0.5, correlation: 0.1, ..Prior::default() });
+    let mut moments = Moments::new(*spec);
     for (cells, joints) in walks.iter().filter(|(_, joints)| !joints.is_empty()) {
         let mut posterior = RayPosterior::default();
         posterior.pairs.clone_from(joints);
@@ -108,7 +122,7 @@ fn reconciled(walks: &[(Vec<usize>, Vec<Joint>)], rule: Reconciliation) -> Pairw
     pairs
 }
 
-fn claims(walks: &[(Vec<usize>, Vec<Joint>)]) -> Vec<Claim> {
+fn claims(Walks { walks, .. }: &Walks) -> Vec<Claim> {
     let steps = walks.iter().flat_map(|(cells, joints)| cells.windows(2).zip(joints));
     steps.map(|(cells, &joint)| Claim { a: cells[0], b: cells[1], joint }).collect()
 }
@@ -134,9 +148,9 @@ proptest! {
     #[test]
     fn all_edges_solve_it_with_the_joints_of_silent_edges(walks in walks()) {
         let mut all = claims(&walks);
-        let unseen = PairwiseGrid::prior(SPEC, &Prior { occupancy: 0.5, correlation: 0.1, ..Prior::default() });
-        for cell in 0..SPEC.cells() {
-            for n in SPEC.neighbours(cell).filter(|n| n.cell > cell) {
+        let unseen = PairwiseGrid::prior(walks.spec, &Prior { occupancy: 0.5, correlation: 0.1, ..Prior::default() });
+        for cell in 0..walks.spec.cells() {
+            for n in walks.spec.neighbours(cell).filter(|n| n.cell > cell) {
                 if !all.iter().any(|c| (c.a, c.b) == (cell, n.cell)) {
                     all.push(Claim { a: cell, b: n.cell, joint: unseen.joint(cell, n.cell) });
                 }
@@ -149,8 +163,8 @@ proptest! {
     fn silent_edges_keep_their_correlation(walks in walks()) {
         let pairs = reconciled(&walks, Reconciliation::Touched);
         let on_rays = claims(&walks);
-        for cell in 0..SPEC.cells() {
-            for n in SPEC.neighbours(cell).filter(|n| n.cell > cell) {
+        for cell in 0..walks.spec.cells() {
+            for n in walks.spec.neighbours(cell).filter(|n| n.cell > cell) {
                 if !on_rays.iter().any(|c| (c.a, c.b) == (cell, n.cell)) {
                     let joint = pairs.joint(cell, n.cell);
                     let (p, q) = (joint.first(), joint.second());

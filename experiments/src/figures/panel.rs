@@ -24,12 +24,12 @@ pub(super) struct Panel {
 }
 
 impl Panel {
-    /// The whole grid, about `width` pixels wide.
+    /// The whole grid, at most about `width` pixels wide and half as much again high.
     pub(super) fn whole(spec: GridSpec, width: usize) -> Self {
         Self::part(spec, (0, spec.width), (0, spec.height), width)
     }
 
-    /// The cells around a rectangle (m), about `width` pixels wide.
+    /// The cells around a rectangle (m), of the same size at most.
     pub(super) fn around(spec: GridSpec, [min, max]: [[f64; 2]; 2], width: usize) -> Self {
         let range = |k: usize, limit: usize| {
             let cell = |v: f64| ((v - spec.origin_m[k]) / spec.cell_m).max(0.0) as usize;
@@ -39,9 +39,11 @@ impl Panel {
     }
 
     fn part(spec: GridSpec, columns: (usize, usize), rows: (usize, usize), width: usize) -> Self {
-        let count = columns.1 - columns.0;
-        let pixels = (width / count).max(1);
-        let cells = count.div_ceil(width).max(1);
+        // A tall map is bound by its height, so that no scene makes a picture without end.
+        let tallest = width + width / 2;
+        let (across, up) = (columns.1 - columns.0, rows.1 - rows.0);
+        let pixels = (width / across).min(tallest / up).max(1);
+        let cells = across.div_ceil(width).max(up.div_ceil(tallest)).max(1);
         Self { spec, columns, rows, pixels, cells, at: (0, 0) }
     }
 

@@ -6,12 +6,25 @@ use crate::{Problem, SceneError, StagePlan, Stop, Waypoint};
 use super::table::{POINT, Table, Value, hint};
 use super::within;
 
+/// Longest name of a waypoint, in characters: pictures and messages show it.
+const LONGEST_NAME: usize = 32;
+
 /// The named points.
 pub(super) fn waypoints(root: &Table, bounds: [[f64; 2]; 2]) -> Result<Vec<Waypoint>, SceneError> {
     let example = "[waypoints] with lines such as A = [1.0, 2.0]";
     let Some(table) = root.section("waypoints")? else { return Err(root.missing("[waypoints]", example)) };
     let mut waypoints = Vec::new();
     for (name, offset) in table.keys() {
+        if name.is_empty() || name.chars().count() > LONGEST_NAME || name.chars().any(char::is_control) {
+            let problem = Problem::Value {
+                element: "[waypoints]".to_owned(),
+                key: "name".to_owned(),
+                value: format!("{name:?}"),
+                bound: format!("1 to {LONGEST_NAME} characters that can be printed"),
+                remedy: "name the waypoint with a letter or a word".to_owned(),
+            };
+            return Err(root.source().error(offset, problem));
+        }
         let at_m = table.required_pair(name, &POINT)?;
         within([at_m, at_m], bounds, || format!("waypoint {name}")).map_err(|p| root.source().error(offset, p))?;
         waypoints.push(Waypoint { name: name.to_owned(), at_m });
