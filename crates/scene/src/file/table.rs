@@ -27,11 +27,14 @@ impl Limit {
 pub(super) struct Source<'a> {
     file: &'a str,
     text: &'a str,
+    /// Offset at which each line begins: a scene of a hundred thousand boxes asks for as many lines.
+    lines: Vec<usize>,
 }
 
 impl<'a> Source<'a> {
     pub(super) fn new(file: &'a str, text: &'a str) -> Self {
-        Self { file, text }
+        let lines = std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect();
+        Self { file, text, lines }
     }
 
     pub(super) fn place(&self, offset: usize) -> Place {
@@ -39,13 +42,9 @@ impl<'a> Source<'a> {
         while !self.text.is_char_boundary(offset) {
             offset -= 1;
         }
-        let before = &self.text[..offset];
-        let line_start = before.rfind('\n').map_or(0, |at| at + 1);
-        Place {
-            file: self.file.to_owned(),
-            line: before.matches('\n').count() + 1,
-            column: before[line_start..].chars().count() + 1,
-        }
+        let line = self.lines.partition_point(|&start| start <= offset);
+        let column = self.text[self.lines[line - 1]..offset].chars().count() + 1;
+        Place { file: self.file.to_owned(), line, column }
     }
 
     pub(super) fn error(&self, offset: usize, problem: Problem) -> SceneError {
@@ -170,6 +169,26 @@ impl<'a> Table<'a> {
         self.optional_number(key, limit)?.ok_or_else(missing)
     }
 
+    pub(super) fn optional_whole_number(&self, key: &str, limit: &Limit) -> Result<Option<usize>, SceneError> {
+        let number = self.optional_number(key, limit)?;
+        match self.get(key).filter(|_| number.is_some_and(|v| v.fract() > 0.0)) {
+            Some(value) => Err(self.refuse(key, value, limit.bound, limit.remedy)),
+            None => Ok(number.map(|v| v as usize)),
+        }
+    }
+
+    /// One of the given words.
+    pub(super) fn choice(&self, key: &str, words: &[&'static str]) -> Result<Option<&'static str>, SceneError> {
+        let Some(value) = self.get(key) else { return Ok(None) };
+        let word = value.get_ref().as_str();
+        if let Some(known) = words.iter().find(|known| word == Some(**known)) {
+            return Ok(Some(*known));
+        }
+        let quoted: Vec<String> = words.iter().map(|word| format!("\"{word}\"")).collect();
+        let remedy = format!("choose one of them{}", hint(word.unwrap_or_default(), words));
+        Err(self.refuse(key, value, &quoted.join(" or "), &remedy))
+    }
+
     /// Two numbers in a list, no more and no less.
     pub(super) fn pair(&self, key: &str, value: &Value, limit: &Limit) -> Result<[f64; 2], SceneError> {
         let numbers = value.get_ref().as_array().filter(|items| items.len() == 2);
@@ -261,6 +280,6 @@ pub(super) fn hint(name: &str, known: &[&str]) -> String {
     let letters = name.chars().count();
     // A third of the letters may be wrong; of one or two letters, none or one.
     let most = (1 + letters / 3).min(letters.saturating_sub(1));
-    let nearest = known.iter().min_by_key(|c| away(c)).filter(|c| away(c) <= most);
+    let nearest = known.iter().filter(|_| letters > 0).min_by_key(|c| away(c)).filter(|c| away(c) <= most);
     nearest.map(|c| format!(" (did you mean `{c}`?)")).unwrap_or_default()
 }
