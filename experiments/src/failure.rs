@@ -7,6 +7,8 @@ use std::{fmt, io};
 
 use thiserror::Error;
 
+use crate::staging;
+
 /// Why a command did not succeed.
 #[derive(Debug, Error)]
 pub enum Failure {
@@ -34,6 +36,9 @@ impl Failure {
 
     /// Prints the message to stderr and gives the exit code.
     pub fn report(&self) -> ExitCode {
+        if staging::interrupted() {
+            return ExitCode::from(staging::INTERRUPTED_CODE);
+        }
         // Nobody may be listening any more.
         let _ = writeln!(io::stderr(), "error: {self}");
         ExitCode::from(match self {

@@ -20,7 +20,7 @@ type Area<'a> = DrawingArea<BitMapBackend<'a>, plotters::coord::Shift>;
 /// Draws a picture of the given size and gives it as PNG.
 fn png(size: (u32, u32), draw: impl FnOnce(&Area) -> Result<(), Failure>) -> Result<Vec<u8>, Failure> {
     ink::register_font()?;
-    let mut pixels = vec![255; (size.0 * size.1 * 3) as usize];
+    let mut pixels = vec![255; size.0 as usize * size.1 as usize * 3];
     {
         let area = BitMapBackend::with_buffer(&mut pixels, size).into_drawing_area();
         area.fill(&WHITE).map_err(Failure::internal)?;

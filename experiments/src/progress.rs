@@ -15,7 +15,7 @@ impl Progress {
     /// A bar over `scans` updates in all, of the mappers with the given names.
     pub fn new(scans: usize, mappers: &[&str]) -> Self {
         let bar = ProgressBar::new(scans as u64);
-        let style = ProgressStyle::with_template("{bar:24} {pos}/{len} scans {per_sec:.0} {eta:>4}  {wide_msg}");
+        let style = ProgressStyle::with_template("{bar:32} {pos}/{len} scans, {eta} left\n{wide_msg}");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         bar.enable_steady_tick(Duration::from_millis(200));
         Self { bar, losses: Mutex::new(mappers.iter().map(|name| ((*name).to_owned(), None)).collect()) }

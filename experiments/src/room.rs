@@ -31,10 +31,11 @@ pub fn run(options: &RoomOptions) -> Result<(), Failure> {
     let scene = Scene::load(&options.scene, options.grid)?;
     let seeds = seeds(options)?;
     let out = options.out.clone().unwrap_or_else(|| Path::new("results").join(&scene.name));
+    let ground = Ground::new(scene, options.belief.prior)?;
+    claimable(&ground, options)?;
     let mut staging = Staging::open(&out)?;
     set_threads(options)?;
 
-    let ground = Ground::new(scene, options.belief.prior)?;
     let setup = Setup {
         grid: ground.scene.grid,
         sensor: Arc::new(ground.scene.matcher.stereo),
@@ -59,7 +60,27 @@ pub fn run(options: &RoomOptions) -> Result<(), Failure> {
         Format::Csv => metrics.print(false)?,
         Format::Json => metrics.print(true)?,
     }
+    if claims.is_empty() && ground.scene.regions.iter().any(|region| region.claims) {
+        let note = "note: the scene's claims compare visibility with conventional; without both they are not judged";
+        let _ = writeln!(std::io::stderr(), "{note}");
+    }
     judged(&claims)
+}
+
+/// Claims are made about free cells: a region without any is a mistake in the scene.
+fn claimable(ground: &Ground, options: &RoomOptions) -> Result<(), Failure> {
+    for region in ground.scene.regions.iter().filter(|region| region.claims) {
+        let mask = region.mask(ground.truth.spec());
+        if !mask.values().iter().zip(ground.truth.values()).any(|(inside, truth)| *inside && *truth == Some(false)) {
+            return Err(Failure::BadInput(format!(
+                "{}: region {}: has claims = true but no free cell of {} m; make it larger, move it, or leave the claims out",
+                options.scene.display(),
+                region.name,
+                ground.scene.grid.cell_m
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// The mappers of the given names.
@@ -88,10 +109,14 @@ pub fn entries(names: &[String]) -> Result<Vec<&'static Entry>, Failure> {
 
 fn seeds(options: &RoomOptions) -> Result<Vec<u64>, Failure> {
     let count = u64::from(options.seeds);
-    let end = options.seed.checked_add(count).ok_or_else(|| {
-        Failure::BadInput(format!("--seed {}: {count} seeds from there pass {}; begin lower", options.seed, u64::MAX))
+    let last = options.seed.checked_add(count - 1).ok_or_else(|| {
+        Failure::BadInput(format!(
+            "--seed {}: {count} seeds from there on pass {}; begin lower",
+            options.seed,
+            u64::MAX
+        ))
     })?;
-    Ok((options.seed..end).collect())
+    Ok((options.seed..=last).collect())
 }
 
 fn set_threads(options: &RoomOptions) -> Result<(), Failure> {

@@ -4,11 +4,17 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::failure::Failure;
 
 /// Folders to remove when the program is interrupted.
 static OPEN: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// Exit code after Ctrl-C.
+pub const INTERRUPTED_CODE: u8 = 130;
 
 /// Name of the file that lists what a run wrote; it is put in place last.
 pub const RECORD: &str = "run.json";
@@ -22,6 +28,8 @@ pub struct Staging {
     folder: PathBuf,
     partial: PathBuf,
     files: Vec<String>,
+    /// The run made the folder, and takes it away again if nothing comes of it.
+    new: bool,
     /// Held while the run lasts, so that two runs do not mix their files.
     _lock: Option<File>,
 }
@@ -38,11 +46,12 @@ impl Staging {
                 folder.display()
             ))
         };
+        let new = !folder.exists();
         fs::create_dir_all(folder).map_err(|e| refuse("the output folder cannot be made", &e))?;
         let lock = lock(folder).map_err(|()| refuse("the output folder is in use", &"another run is writing to it"))?;
         remove_leftovers(folder);
         let partial = folder.join(format!(".partial-{}", std::process::id()));
-        let staging = Self { folder: folder.to_owned(), partial, files: Vec::new(), _lock: lock };
+        let staging = Self { folder: folder.to_owned(), partial, files: Vec::new(), new, _lock: lock };
         fs::create_dir(&staging.partial)
             .and_then(|()| fs::write(staging.partial.join("probe"), b"x"))
             .and_then(|()| fs::remove_file(staging.partial.join("probe")))
@@ -88,12 +97,19 @@ impl Staging {
 
     /// Moves all files to their names, the record last, and removes files that only the former run wrote.
     ///
+    /// The former record goes first: whatever happens, no record stands beside files of another run.
+    ///
     /// # Errors
-    /// Whatever the system reports.
+    /// A folder where a file is to go, before anything is touched; whatever the system reports.
     pub fn publish(self) -> Result<(), Failure> {
         let stale = former_files(&self.folder);
         let mut files = self.files();
         files.sort_by_key(|name| name == RECORD);
+        if let Some(name) = files.iter().find(|name| self.folder.join(name).is_dir()) {
+            let path = self.folder.join(name);
+            return Err(Failure::BadInput(format!("{}: is a folder where a file is to go; remove it", path.display())));
+        }
+        let _ = fs::remove_file(self.folder.join(RECORD));
         for name in &files {
             let target = self.folder.join(name);
             fs::rename(self.partial.join(name), &target).map_err(|e| Failure::write(&target, &e))?;
@@ -108,6 +124,9 @@ impl Staging {
 impl Drop for Staging {
     fn drop(&mut self) {
         let _ = fs::remove_dir_all(&self.partial);
+        if self.new {
+            let _ = fs::remove_dir(&self.folder); // refused by the system unless it is empty
+        }
         if let Ok(mut open) = OPEN.lock() {
             open.retain(|path| path != &self.partial);
         }
@@ -118,13 +137,20 @@ impl Drop for Staging {
 pub fn clean_up_when_interrupted() {
     // A second handler in one process is refused; the first does the same.
     let _ = ctrlc::set_handler(|| {
+        INTERRUPTED.store(true, Ordering::SeqCst);
         if let Ok(open) = OPEN.lock() {
             for path in open.iter() {
                 let _ = fs::remove_dir_all(path);
+                let _ = path.parent().map(fs::remove_dir); // the output folder, if it is empty
             }
         }
-        std::process::exit(130);
+        std::process::exit(i32::from(INTERRUPTED_CODE));
     });
+}
+
+/// Whether Ctrl-C was pressed: files then vanish under the hands of whoever still writes them.
+pub fn interrupted() -> bool {
+    INTERRUPTED.load(Ordering::SeqCst)
 }
 
 /// An exclusive lock on the folder itself; none where the system has no such locks.
@@ -185,6 +211,25 @@ mod tests {
         put(&mut staging, "a.csv", "1");
         drop(staging);
         assert_eq!(fs::read_dir(folder.path()).expect("there").count(), 0);
+    }
+
+    #[test]
+    fn a_folder_in_the_place_of_a_file_stops_everything_or_nothing() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        fs::write(folder.path().join("a.csv"), "former").expect("writable");
+        fs::create_dir(folder.path().join("b.csv")).expect("writable");
+        let mut staging = Staging::open(folder.path()).expect("writable");
+        put(&mut staging, "a.csv", "new");
+        put(&mut staging, "b.csv", "new");
+        assert!(staging.publish().expect_err("in the way").to_string().contains("b.csv: is a folder"));
+        assert_eq!(fs::read_to_string(folder.path().join("a.csv")).expect("there"), "former");
+    }
+
+    #[test]
+    fn a_new_folder_goes_when_nothing_comes_of_it() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        drop(Staging::open(&folder.path().join("new")).expect("writable"));
+        assert!(!folder.path().join("new").exists());
     }
 
     #[test]

@@ -181,8 +181,13 @@ fn a_claim_that_does_not_hold_is_exit_code_3_and_says_which() {
     assert!(err.contains("X: conventional now has them occupied: 0.0000, at least 0.1"), "{err}");
     assert!(out.contains("FAILS  X: conventional now has them occupied"));
     assert!(place.path().join("o/metrics.csv").exists(), "the results are there to look into");
-    // With one of the two mappers there is nothing to claim.
-    place.expect(0, &["room", "--scene", "closet.toml", "--out", "o", "--mappers", "visibility"]);
+    // With one of the two mappers there is nothing to judge, and that is said.
+    let (_, err) = place.expect(0, &["room", "--scene", "closet.toml", "--out", "o", "--mappers", "visibility"]);
+    assert!(err.contains("they are not judged"), "{err}");
+    // Without a free cell there is nothing to claim.
+    place.edit("radius = 0.3", "radius = 1e-6\nclaims = true");
+    let (_, err) = place.expect(2, &["room", "--scene", "closet.toml", "--out", "p"]);
+    assert!(err.contains("region X: has claims = true but no free cell") && !place.path().join("p").exists(), "{err}");
 }
 
 #[test]
@@ -231,6 +236,8 @@ fn an_output_folder_that_cannot_be_written_is_refused_and_a_failed_run_keeps_the
     place.expect(0, &["room", "--scene", "closet.toml", "--out", "o"]);
     let before = files(&place.path().join("o"));
     place.edit("B = [2.4, 1.2]", "B = [2.6, 0.45]");
+    place.expect(2, &["room", "--scene", "closet.toml", "--out", "new"]);
+    assert!(!place.path().join("new").exists(), "a blocked route leaves no folder");
     let (_, err) = place.expect(2, &["room", "--scene", "closet.toml", "--out", "o"]);
     assert!(err.contains("blocked") && err.contains("box 1"), "{err}");
     assert_eq!(before, files(&place.path().join("o")));

@@ -84,6 +84,7 @@ pub(super) fn stages(root: &Table, waypoints: &[Waypoint], stops: &[Stop]) -> Re
         let bound = match (on_route, longer, complete) {
             (true, true, true) => None,
             (false, ..) => Some(format!("the first stops of the route, {}", listed(waypoints, stops))),
+            (_, false, _) if stages.is_empty() => Some("at least the first stop of the route".to_owned()),
             (_, false, _) => Some("longer than that of the stage before it".to_owned()),
             _ => Some(format!("the whole route in the last stage, {}", listed(waypoints, stops))),
         };

@@ -169,26 +169,6 @@ impl<'a> Table<'a> {
         self.optional_number(key, limit)?.ok_or_else(missing)
     }
 
-    pub(super) fn optional_whole_number(&self, key: &str, limit: &Limit) -> Result<Option<usize>, SceneError> {
-        let number = self.optional_number(key, limit)?;
-        match self.get(key).filter(|_| number.is_some_and(|v| v.fract() > 0.0)) {
-            Some(value) => Err(self.refuse(key, value, limit.bound, limit.remedy)),
-            None => Ok(number.map(|v| v as usize)),
-        }
-    }
-
-    /// One of the given words.
-    pub(super) fn choice(&self, key: &str, words: &[&'static str]) -> Result<Option<&'static str>, SceneError> {
-        let Some(value) = self.get(key) else { return Ok(None) };
-        let word = value.get_ref().as_str();
-        if let Some(known) = words.iter().find(|known| word == Some(**known)) {
-            return Ok(Some(*known));
-        }
-        let quoted: Vec<String> = words.iter().map(|word| format!("\"{word}\"")).collect();
-        let remedy = format!("choose one of them{}", hint(word.unwrap_or_default(), words));
-        Err(self.refuse(key, value, &quoted.join(" or "), &remedy))
-    }
-
     /// Two numbers in a list, no more and no less.
     pub(super) fn pair(&self, key: &str, value: &Value, limit: &Limit) -> Result<[f64; 2], SceneError> {
         let numbers = value.get_ref().as_array().filter(|items| items.len() == 2);

@@ -57,7 +57,9 @@ fn every_refusal_says_where_what_and_what_to_do() {
         renewed += "\n\n";
     }
     let renewed = format!("{}\n", renewed.trim_end());
-    if std::env::var_os("RENEW").is_some() { fs::write("src/file/refusals.txt", &renewed).expect("w"); }
+    if std::env::var_os("RENEW").is_some() {
+        fs::write("src/file/refusals.txt", &renewed).expect("w");
+    }
     for (now, then) in renewed.lines().zip(golden.lines()) {
         assert_eq!(now, then);
     }
