@@ -1,6 +1,6 @@
 //! The paper's claim about the room (Section 3.3, Figures 13 and 14), as numbers.
 
-use score::Summary;
+use score::{Better, Summary};
 use serde::Serialize;
 
 use crate::trial::Trial;
@@ -32,13 +32,6 @@ const BETTER_ON: [(&str, Better, &str); 4] = [
     ("phantom_area", Better::Lower, "phantom area"),
     ("retention", Better::Higher, "free-space retention"),
 ];
-
-/// In which direction a metric gets better.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Better {
-    Lower,
-    Higher,
-}
 
 /// Judges the claims at the last stage over the given trials, means over seeds; none where one of the
 /// two mappers did not run.

@@ -35,6 +35,24 @@ pub enum ScoreError {
         /// The truth's cells.
         expected: GridSpec,
     },
+    /// A cell of a covariate, such as its range, is not a number.
+    #[error(
+        "the covariate is not a number in cell {cell} (column {column}, row {row}): use infinity where it has no bound"
+    )]
+    Covariate {
+        /// Index of the first such cell.
+        cell: usize,
+        /// Its column, from the left.
+        column: usize,
+        /// Its row, from the lowest.
+        row: usize,
+    },
+    /// Edges that make no bins.
+    #[error("bin edges {edges:?} do not rise: give at least two, each above the one before")]
+    Edges {
+        /// The edges.
+        edges: Vec<f64>,
+    },
 }
 
 fn describe(spec: &GridSpec) -> String {

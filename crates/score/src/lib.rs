@@ -7,6 +7,9 @@
 //! - [`log_loss`] is the one metric cheap enough for every scan; [`reliability`] is the diagram
 //!   behind the calibration error.
 //! - [`Retention`] follows free space from scan to scan.
+//! - [`error_profile`] shows where a map is wrong: error against range, or against number of looks.
+//! - [`Comparison`] says which of two methods is better, by how much and how surely; [`holm`] adjusts
+//!   for many such questions; [`Verdict`] puts the answer into a word.
 //! - [`Summary`] is the spread of a metric over seeds.
 //! - [`threshold`] holds the probabilities at which a map is taken at its word.
 //!
@@ -17,12 +20,14 @@ mod error;
 mod judged;
 mod log_loss;
 mod metric;
+mod profile;
 mod ranking;
 mod region;
 mod retention;
 mod scorer;
 mod scores;
 mod sight;
+mod statistics;
 mod summary;
 pub mod threshold;
 
@@ -30,11 +35,16 @@ pub use calibration::{BINS, Bin, reliability};
 pub use error::ScoreError;
 pub use log_loss::log_loss;
 pub use metric::Metric;
+pub use profile::{ErrorBin, ErrorProfile, LOOK_EDGES, RANGE_EDGES_M, error_profile};
 pub use region::Region;
 pub use retention::Retention;
 pub use scorer::Scorer;
 pub use scores::Scores;
 pub use sight::{NUDGE_M, SHELL_DEPTH_M, Sight, Sightings};
+pub use statistics::{
+    Better, Comparison, EXACT_PAIRS, FEWEST_PAIRS, Interval, Margin, RESAMPLES, SIGNIFICANCE, SignedRank,
+    StatisticsError, Verdict, holm, holm_table,
+};
 pub use summary::Summary;
 
 #[cfg(test)]

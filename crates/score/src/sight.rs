@@ -32,6 +32,7 @@ pub struct Sightings {
     surface: Raster<bool>,
     behind: Raster<bool>,
     looks: Raster<u32>,
+    nearest_m: Raster<f64>,
     hits_without_surface: usize,
     line: DigitalLine,
 }
@@ -46,6 +47,7 @@ impl Sightings {
             surface: Raster::filled(spec, false),
             behind: Raster::filled(spec, false),
             looks: Raster::filled(spec, 0),
+            nearest_m: Raster::filled(spec, f64::INFINITY),
             hits_without_surface: 0,
             line: DigitalLine::default(),
         }
@@ -75,7 +77,10 @@ impl Sightings {
             behind_surface = reached && self.truth[cell] == Some(true);
             self.surface[cell] |= behind_surface;
             self.hits_without_surface += usize::from(reached && !behind_surface);
-            self.looks[cell] += u32::from(crossed || behind_surface);
+            if crossed || behind_surface {
+                self.looks[cell] += 1;
+                self.nearest_m[cell] = self.nearest_m[cell].min(enter);
+            }
         }
     }
 
@@ -112,6 +117,12 @@ impl Sightings {
     /// How many rays crossed each cell or hit it first.
     pub fn looks(&self) -> &Raster<u32> {
         &self.looks
+    }
+
+    /// The least range, m, at which a ray that crossed a cell or hit it first entered it: zero where
+    /// a sensor stood, infinity where no ray looked.
+    pub fn nearest_m(&self) -> &Raster<f64> {
+        &self.nearest_m
     }
 
     /// Number of hits inside the map whose cell is not truly occupied, so that they made neither
@@ -270,6 +281,19 @@ mod tests {
         assert_eq!((regions(&s), looks(&s)), (vec!["hsbb".into()], vec!["0100".into()]));
         let s = seen(&[".##."], &[sight(-0.05, 0.05, RIGHT, 0.15)]);
         assert_eq!((regions(&s), s.hits_without_surface()), (vec!["hhhh".into()], 0));
+    }
+
+    #[test]
+    fn the_nearest_look_counts_from_where_the_ray_enters() {
+        let far = sight(0.05, 0.05, RIGHT, 0.25);
+        let centimetres =
+            |s: &Sightings| s.nearest_m().values().iter().map(|m| (m * 100.0).round()).collect::<Vec<_>>();
+        let none = f64::INFINITY;
+        assert_eq!(centimetres(&seen(&["...#.."], &[far])), [0.0, 5.0, 15.0, 25.0, none, none]);
+        let near = sight(0.15, 0.05, RIGHT, 0.15);
+        for sights in [[far, near], [near, far]] {
+            assert_eq!(centimetres(&seen(&["...#.."], &sights)), [0.0, 0.0, 5.0, 15.0, none, none]);
+        }
     }
 
     #[test]

@@ -26,13 +26,15 @@ struct Slow {
     surface: Raster<bool>,
     behind: Raster<bool>,
     looks: Raster<u32>,
+    nearest_m: Raster<f64>,
 }
 
 impl Slow {
     fn new(truth: &Raster<Option<bool>>) -> Self {
         let none = truth.map(|_| false);
         let looks = truth.map(|_| 0);
-        Self { truth: truth.clone(), visible: none.clone(), surface: none.clone(), behind: none, looks }
+        let nearest_m = truth.map(|_| f64::INFINITY);
+        Self { truth: truth.clone(), visible: none.clone(), surface: none.clone(), behind: none, looks, nearest_m }
     }
 
     /// Casts one ray and marks what it sees. `None` where a chord is about as short as what counts
@@ -51,14 +53,16 @@ impl Slow {
         for &(cell, enter, exit) in &chords {
             if exit.min(range) - enter > NUDGE_M {
                 self.looks[cell] += 1;
+                self.nearest_m[cell] = self.nearest_m[cell].min(enter);
                 self.visible[cell] |= self.truth[cell] == Some(false);
             } else if enter > range && exit.min(end) - enter > NUDGE_M {
                 self.behind[cell] = true;
             }
         }
-        if let Some(&(cell, ..)) = hit {
+        if let Some(&(cell, enter, _)) = hit {
             self.surface[cell] = true;
             self.looks[cell] += 1;
+            self.nearest_m[cell] = self.nearest_m[cell].min(enter);
         }
         Some(Sight { origin_m: origin, direction, range_m: hit.map(|hit| hit.1) })
     }
@@ -108,6 +112,10 @@ proptest! {
         prop_assume!(cast > 0);
         prop_assert_eq!(sightings.hits_without_surface(), 0);
         prop_assert_eq!(sightings.looks(), &slow.looks);
+        for (cell, (found, expected)) in sightings.nearest_m().values().iter().zip(slow.nearest_m.values()).enumerate() {
+            let same = (found.is_infinite() && expected.is_infinite()) || (found - expected).abs() < 1e-12;
+            prop_assert!(same, "cell {} entered at {} m and not {} m", cell, found, expected);
+        }
         for region in Region::ALL {
             let mask = sightings.mask(region);
             for cell in 0..spec.cells() {
@@ -139,6 +147,7 @@ proptest! {
             prop_assert!(!inside(Region::Visible) || known == Some(false));
             prop_assert!(!inside(Region::Surface) || known == Some(true));
             prop_assert!(!inside(Region::Observable) || sightings.looks()[cell] > 0);
+            prop_assert_eq!(sightings.nearest_m()[cell].is_finite(), sightings.looks()[cell] > 0);
         }
     }
 
@@ -154,6 +163,7 @@ proptest! {
         angles.iter().for_each(|a| one.add(&sight(a)));
         angles.iter().rev().for_each(|a| other.add(&sight(a)));
         prop_assert_eq!(one.looks(), other.looks());
+        prop_assert_eq!(one.nearest_m(), other.nearest_m());
         for region in Region::ALL {
             prop_assert_eq!(one.mask(region), other.mask(region));
         }

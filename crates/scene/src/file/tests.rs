@@ -71,7 +71,7 @@ fn more_cells_than_memory_are_counted_out() {
     let message = refusal(&SMALL.replace("max = [4.0, 3.0]", "max = [2000.0, 1000.0]\n[grid]\ncell = 0.04"));
     assert!(
         message.starts_with(
-            "s.toml:6:8: [grid]: cell = 0.04 m makes 50000 x 25000 = 1250000000 cells, about 232.8 GiB: must fit the "
+            "s.toml:6:8: [grid]: cell = 0.04 m makes 50000 x 25000 = 1250000000 cells, about 256.1 GiB: must fit the "
         ),
         "{message}"
     );
