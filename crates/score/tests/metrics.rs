@@ -2,7 +2,7 @@
 
 use grid::{GridSpec, Raster};
 use proptest::prelude::*;
-use score::{Metric, Scorer, Scores, log_loss, reliability};
+use score::{ErrorBin, LOOK_EDGES, Metric, Scorer, Scores, error_profile, log_loss, reliability};
 
 /// A random case: truth, surface marks, mask and map over one grid.
 #[derive(Debug, Clone)]
@@ -166,6 +166,30 @@ proptest! {
     #[test]
     fn log_loss_alone_is_the_same(case in case()) {
         prop_assert_eq!(log_loss(&case.map, &case.truth, &case.mask), Ok(case.scores().log_loss));
+    }
+
+    /// A bin is nothing but a smaller mask.
+    #[test]
+    fn every_bin_of_a_profile_scores_like_its_own_mask(case in case(), seed in any::<u32>()) {
+        // From -1, which is in no bin, over 0 and small numbers with edges among them to infinity.
+        let value = |cell: u32| match seed.wrapping_add(cell.wrapping_mul(2_654_435_761)) >> 27 {
+            31 => f64::INFINITY,
+            odd if odd % 2 == 1 => f64::from(odd) - 2.0,
+            even => f64::from(even / 2),
+        };
+        let covariate = Raster::new(*case.map.spec(), (0..).map(value).take(case.map.spec().cells()).collect());
+        let profile = error_profile(&case.map, &case.truth, &case.mask, &covariate, &LOOK_EDGES).expect("valid");
+        prop_assert_eq!(profile.bins.len(), LOOK_EDGES.len() - 1);
+        let mut binned = 0;
+        for (k, ErrorBin { from, to, log_loss, brier }) in profile.bins.into_iter().enumerate() {
+            prop_assert_eq!([from, to].map(f64::to_bits), [LOOK_EDGES[k], LOOK_EDGES[k + 1]].map(f64::to_bits));
+            let mut part = case.clone();
+            (0..case.map.spec().cells()).for_each(|c| part.mask[c] &= from <= covariate[c] && covariate[c] < to);
+            let scores = part.scores();
+            prop_assert_eq!((log_loss, brier), (scores.log_loss, scores.brier));
+            binned += brier.support;
+        }
+        prop_assert_eq!(binned + profile.outside, case.cells().len());
     }
 
     #[test]

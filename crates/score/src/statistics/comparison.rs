@@ -13,6 +13,7 @@ pub const SIGNIFICANCE: f64 = 0.05;
 
 /// With fewer pairs no verdict is given: the signed-rank test of five cannot reach [`SIGNIFICANCE`]
 /// whatever the values (2 / 2⁵ = 0.0625), and a bootstrap of five has hardly anything to draw from.
+/// The least, not enough: an interval from so few covers less than it says, see the README.
 pub const FEWEST_PAIRS: usize = 6;
 
 /// What paired values of a metric say about the difference of two methods, ours minus theirs.

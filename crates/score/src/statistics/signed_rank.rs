@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::normal;
 
 /// Up to this many differences that are not zero p is exact. The cost grows with the cube, to some
-/// milliseconds here, and the normal approximation is by then good to three digits.
+/// milliseconds here, and the normal approximation is by then within 2 % of a p of 0.01.
 pub const EXACT_PAIRS: usize = 200;
 
 /// The Wilcoxon signed-rank test of paired differences, two-sided. Wilcoxon (1945).
