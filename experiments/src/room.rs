@@ -17,7 +17,7 @@ use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::record::{Configuration, Record, Robot, Stage, versions};
 use crate::staging::{self, Staging};
-use crate::trial::{Ground, Trial};
+use crate::trial::{Ground, Keep, Trial};
 use crate::{summary, table};
 
 /// Runs the experiment.
@@ -129,10 +129,13 @@ fn set_threads(options: &RoomOptions) -> Result<(), Failure> {
 fn trials(ground: &Ground, seeds: &[u64], mappers: &[&Entry], setup: &Setup) -> Result<Vec<Trial>, Failure> {
     let names: Vec<&str> = mappers.iter().map(|entry| entry.name).collect();
     let progress = Progress::new(ground.scans() * mappers.len() * seeds.len(), &names);
+    let keep = Keep { timeline: true, ..Keep::default() };
     let trials = seeds
         .par_iter()
         .map(|&seed| {
-            let trial = ground.trial(seed, mappers, setup, &progress)?;
+            let trial = ground.trial(seed, mappers, setup, &keep, &|mapper, moment| {
+                progress.step(mapper, moment.and_then(|moment| moment.log_loss));
+            })?;
             Ok(if seed == seeds[0] { trial } else { trial.without_maps() })
         })
         .collect();

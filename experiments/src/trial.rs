@@ -1,13 +1,14 @@
 //! One drive, mapped by several rules from the same readings, and scored at every stage.
 
 use grid::Raster;
-use mapper::catalogue::{Entry, Setup};
+use mapper::Mapper;
+use mapper::catalogue::{Entry, Kind, Setup};
 use rayon::prelude::*;
-use scene::{Drive, Scene, Simulation, World};
+use scene::{Drive, Scene, SimulatedScan, Simulation, World};
 use score::{Metric, Region, Retention, Scorer, Sight, Sightings, log_loss};
+use sensor::Scan;
 
 use crate::failure::Failure;
-use crate::progress::Progress;
 
 /// What does not depend on the seed: the scene, the way through it, and the truth.
 pub struct Ground {
@@ -23,12 +24,25 @@ pub struct Ground {
     pub prior: f64,
 }
 
+/// What is kept of a trial besides the scores and maps of its stages.
+#[derive(Debug, Clone, Default)]
+pub struct Keep {
+    /// How the maps were doing after every scan.
+    pub timeline: bool,
+    /// The maps after these numbers of scans, rising.
+    pub frames: Vec<usize>,
+}
+
 /// One seed: its readings and what became of them.
 pub struct Trial {
     /// The seed.
     pub seed: u64,
     /// The readings.
     pub simulation: Simulation,
+    /// What the rays of the whole drive could see.
+    pub seen: Sightings,
+    /// How many rays had looked at each cell at the moments of [`Keep::frames`].
+    pub looks: Vec<Raster<u32>>,
     /// One per mapper, in the order asked for.
     pub runs: Vec<Run>,
 }
@@ -39,8 +53,18 @@ pub struct Run {
     pub mapper: &'static str,
     /// The map at each stage.
     pub stages: Vec<StageMap>,
-    /// One per scan.
+    /// One per scan, if asked for; none of a batch mapper.
     pub timeline: Vec<Moment>,
+    /// The maps asked for; of a batch mapper those at the end of a stage.
+    pub frames: Vec<Frame>,
+}
+
+/// A map on the way.
+pub struct Frame {
+    /// After so many scans.
+    pub scans: usize,
+    /// Occupancy, 0 to 1.
+    pub occupancy: Raster<f32>,
 }
 
 /// A map at the end of a stage, with its scores.
@@ -87,51 +111,51 @@ impl Ground {
     }
 
     /// Runs every mapper on the readings of one seed. Mappers run in parallel; the result does not
-    /// depend on how.
+    /// depend on how. `watch` is told of every update: number of the mapper, and how it was doing if
+    /// `keep` asks for that.
     ///
     /// # Errors
     /// A mapper that gives something else than probabilities.
-    pub fn trial(&self, seed: u64, mappers: &[&Entry], setup: &Setup, progress: &Progress) -> Result<Trial, Failure> {
-        let simulation = scene::simulate(&self.scene, &self.world, &self.drive, seed);
-        let runs = mappers
-            .par_iter()
-            .enumerate()
-            .map(|(i, entry)| self.run(&simulation, entry, setup, |moment| progress.step(i, moment.log_loss)))
-            .collect::<Result<_, _>>()?;
-        Ok(Trial { seed, simulation, runs })
-    }
-
-    fn run(
+    pub fn trial(
         &self,
-        simulation: &Simulation,
-        entry: &Entry,
+        seed: u64,
+        mappers: &[&Entry],
         setup: &Setup,
-        mut watch: impl FnMut(&Moment),
-    ) -> Result<Run, Failure> {
-        let mut mapper = (entry.build)(setup);
-        let mut sightings = Sightings::new(&self.truth);
-        let mut retention = Retention::new(&self.truth);
-        let mut run = Run { mapper: entry.name, stages: Vec::new(), timeline: Vec::new() };
+        keep: &Keep,
+        watch: &(impl Fn(usize, Option<&Moment>) + Sync),
+    ) -> Result<Trial, Failure> {
+        let simulation = scene::simulate(&self.scene, &self.world, &self.drive, seed);
+        let mut seen = Sightings::new(&self.truth);
+        let mut looks = Vec::new();
+        let mut walks: Vec<Walk> = mappers.iter().map(|entry| Walk::new(entry, setup, &self.truth)).collect();
+        let noise_free = mappers.iter().any(|entry| entry.kind == Kind::NoiseFree);
         for (i, simulated) in simulation.scans.iter().enumerate() {
             for (ray, &range_m) in simulated.scan.rays().zip(&simulated.true_ranges_m) {
-                sightings.add(&Sight { origin_m: ray.origin_m, direction: ray.direction, range_m });
+                seen.add(&Sight { origin_m: ray.origin_m, direction: ray.direction, range_m });
             }
-            mapper.integrate(&simulated.scan);
-            let map = mapper.occupancy();
-            retention.observe(sightings.visible(), map)?;
-            let moment = Moment {
-                time_s: simulated.scan.time_s,
-                log_loss: log_loss(map, &self.truth, &sightings.mask(Region::Observable))?.value,
-                retention: retention.metric(None)?.value,
+            let now = Now {
+                scans: i + 1,
+                scan: &simulated.scan,
+                noise_free: noise_free.then(|| self.noise_free(simulated)),
+                seen: &seen,
+                observable: keep.timeline.then(|| seen.mask(Region::Observable)),
+                stages: simulation.stages.iter().filter(|stage| stage.scans == i + 1).count(),
+                frame: keep.frames.contains(&(i + 1)),
             };
-            watch(&moment);
-            run.timeline.push(moment);
-            for _ in simulation.stages.iter().filter(|stage| stage.scans == i + 1) {
-                let scores = self.score(map, &sightings, &retention)?;
-                run.stages.push(StageMap { occupancy: map.clone(), scores });
-            }
+            walks.par_iter_mut().enumerate().try_for_each(|(number, walk)| {
+                watch(number, walk.step(self, &now)?.as_ref());
+                Ok::<(), Failure>(())
+            })?;
+            looks.extend(now.frame.then(|| seen.looks().clone()));
         }
-        Ok(run)
+        Ok(Trial { seed, simulation, seen, looks, runs: walks.into_iter().map(|walk| walk.run).collect() })
+    }
+
+    /// The scan that a perfect camera would have read: every column, no noise.
+    fn noise_free(&self, simulated: &SimulatedScan) -> Scan {
+        let read = |(&bearing, range): (&f64, &Option<f64>)| self.scene.matcher.noise_free((*range)?, bearing);
+        let readings = simulated.scan.bearings_rad.iter().zip(&simulated.true_ranges_m).map(read).collect();
+        Scan { readings, ..simulated.scan.clone() }
     }
 
     /// Every metric over every region: those that follow from the rays, and those the scene names.
@@ -150,6 +174,59 @@ impl Ground {
     }
 }
 
+/// A scan and what is to be done after it.
+struct Now<'a> {
+    scans: usize,
+    scan: &'a Scan,
+    noise_free: Option<Scan>,
+    seen: &'a Sightings,
+    observable: Option<Raster<bool>>,
+    /// Number of stages that end with this scan.
+    stages: usize,
+    frame: bool,
+}
+
+/// A mapper on its way.
+struct Walk {
+    kind: Kind,
+    mapper: Box<dyn Mapper>,
+    retention: Retention,
+    run: Run,
+}
+
+impl Walk {
+    fn new(entry: &Entry, setup: &Setup, truth: &Raster<Option<bool>>) -> Self {
+        let run = Run { mapper: entry.name, stages: Vec::new(), timeline: Vec::new(), frames: Vec::new() };
+        Self { kind: entry.kind, mapper: (entry.build)(setup), retention: Retention::new(truth), run }
+    }
+
+    /// One more scan. A batch mapper has a map, and so retention, at the ends of stages only.
+    fn step(&mut self, ground: &Ground, now: &Now) -> Result<Option<Moment>, Failure> {
+        self.mapper.integrate(now.noise_free.as_ref().filter(|_| self.kind == Kind::NoiseFree).unwrap_or(now.scan));
+        if self.kind == Kind::Batch && now.stages == 0 {
+            return Ok(None);
+        }
+        self.mapper.settle();
+        let map = self.mapper.occupancy();
+        self.retention.observe(now.seen.visible(), map)?;
+        for _ in 0..now.stages {
+            let scores = ground.score(map, now.seen, &self.retention)?;
+            self.run.stages.push(StageMap { occupancy: map.clone(), scores });
+        }
+        if now.frame {
+            self.run.frames.push(Frame { scans: now.scans, occupancy: map.map(|p| *p as f32) });
+        }
+        let Some(observable) = now.observable.as_ref().filter(|_| self.kind != Kind::Batch) else { return Ok(None) };
+        let moment = Moment {
+            time_s: now.scan.time_s,
+            log_loss: log_loss(map, &ground.truth, observable)?.value,
+            retention: self.retention.metric(None)?.value,
+        };
+        self.run.timeline.push(moment);
+        Ok(Some(moment))
+    }
+}
+
 impl Trial {
     /// The metric of the given mapper, stage, region and name.
     pub fn metric(&self, mapper: &str, stage: usize, region: &str, name: &str) -> Option<Metric> {
@@ -161,8 +238,10 @@ impl Trial {
     /// Forgets readings and maps, and keeps the scores.
     pub fn without_maps(mut self) -> Self {
         self.simulation.scans.clear();
+        self.looks.clear();
         for run in &mut self.runs {
             run.timeline.clear();
+            run.frames.clear();
             for stage in &mut run.stages {
                 let spec = grid::GridSpec { width: 0, height: 0, ..*stage.occupancy.spec() };
                 stage.occupancy = Raster::new(spec, Vec::new());

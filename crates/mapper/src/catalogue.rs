@@ -20,6 +20,17 @@ pub struct Setup {
     pub reconciliation: Reconciliation,
 }
 
+/// How a mapper takes its scans.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// One after the other; the map is up to date after each.
+    Online,
+    /// All at once: the map is solved for from every scan so far, see [`Mapper::settle`].
+    Batch,
+    /// Online, but fed noise-free readings: a bound on what a map could be, not a rival.
+    NoiseFree,
+}
+
 /// A mapper that can be asked for by name.
 #[derive(Clone, Copy)]
 pub struct Entry {
@@ -29,6 +40,8 @@ pub struct Entry {
     pub summary: &'static str,
     /// Where it is defined.
     pub source: &'static str,
+    /// How it takes its scans.
+    pub kind: Kind,
     /// Makes one.
     pub build: fn(&Setup) -> Box<dyn Mapper>,
 }
@@ -39,18 +52,21 @@ pub const MAPPERS: &[Entry] = &[
         name: "visibility",
         summary: "the paper's method: occlusion and continuity, summed exactly",
         source: "Eqs. (1)-(7), (18)-(20)",
+        kind: Kind::Online,
         build: |setup| Box::new(Visibility::exact(setup)),
     },
     Entry {
         name: "visibility-printed",
         summary: "the same with Eqs. (4)-(17) as the paper prints them",
         source: "Eqs. (4)-(17), (18)-(20)",
+        kind: Kind::Online,
         build: |setup| Box::new(Visibility::as_printed(setup)),
     },
     Entry {
         name: "conventional",
         summary: "every cell for itself: no occlusion, no continuity",
         source: "Eqs. (22)-(26)",
+        kind: Kind::Online,
         build: |setup| Box::new(Conventional::new(setup)),
     },
 ];

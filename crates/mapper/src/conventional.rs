@@ -7,46 +7,72 @@ use sensor::{Placement, Scan, SensorModel};
 
 use crate::{EPSILON, Mapper, catalogue::Setup};
 
-/// The conventional occupancy update: neither occlusion nor continuity. O(cells up to the reading)
-/// per ray.
+/// The rule for one cell and one reading.
 ///
 /// Cells whose interval of readings meets `o ± w` count as seen occupied, Eqs. (23) and (24); nearer
 /// cells as seen free, Eqs. (25) and (26); cells behind are left alone. The densities of the paper
 /// become probabilities of the bin `o ± w`, so that (23) and (24) compare like with like.
-pub struct Conventional {
-    occupancy: Raster<f64>,
-    sensor: Arc<dyn SensorModel>,
-    half_width: f64,
-    line: DigitalLine,
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ConventionalRule {
+    /// `w`: half the bin of a reading, in the reading's unit.
+    pub half_width: f64,
 }
 
-impl Conventional {
-    /// `w`: half the bin of a reading, in the reading's unit: 0.5 px.
-    pub const HALF_WIDTH: f64 = 0.5;
-
-    /// The unseen map.
-    pub fn new(setup: &Setup) -> Self {
-        Self {
-            occupancy: Raster::filled(setup.grid, setup.prior.marginal()),
-            sensor: Arc::clone(&setup.sensor),
-            half_width: Self::HALF_WIDTH,
-            line: DigitalLine::default(),
-        }
+impl Default for ConventionalRule {
+    /// A bin of 1 px.
+    fn default() -> Self {
+        Self { half_width: 0.5 }
     }
+}
 
+impl ConventionalRule {
     /// Likelihoods of the reading if the cell in the chord `enter ..= exit` (m) is occupied and if
     /// it is free; none for a cell behind the reading.
-    fn likelihoods(&self, reading: f64, bearing: f64, enter: f64, exit: f64) -> Option<[f64; 2]> {
-        let correct = self.sensor.correct_match();
-        let bin = || self.sensor.bin_probability(reading, self.half_width, bearing, enter, exit);
-        match self.sensor.placement(reading, self.half_width, bearing, enter, exit) {
+    pub fn likelihoods(
+        &self,
+        sensor: &(impl SensorModel + ?Sized),
+        reading: f64,
+        bearing: f64,
+        enter: f64,
+        exit: f64,
+    ) -> Option<[f64; 2]> {
+        let correct = sensor.correct_match();
+        let bin = || sensor.bin_probability(reading, self.half_width, bearing, enter, exit);
+        match sensor.placement(reading, self.half_width, bearing, enter, exit) {
             Placement::Within => {
-                let false_match = self.sensor.false_match_probability(self.half_width);
+                let false_match = sensor.false_match_probability(self.half_width);
                 let occupied = correct * bin() + (1.0 - correct) * false_match; // Eqs. (21), (23)
                 Some([occupied, 1.0 - correct]) // Eq. (24)
             }
             Placement::Nearer => Some([1.0 - correct, correct * (1.0 - bin())]), // Eqs. (25), (26)
             Placement::Behind => None,
+        }
+    }
+
+    /// Eq. (22), kept off 0 and 1. Likelihoods that are both zero say nothing.
+    pub fn posterior(p: f64, [occupied, free]: [f64; 2]) -> f64 {
+        let (yes, no) = (occupied * p, free * (1.0 - p));
+        if yes + no > 0.0 { (yes / (yes + no)).clamp(EPSILON, 1.0 - EPSILON) } else { p }
+    }
+}
+
+/// The conventional occupancy update: neither occlusion nor continuity. O(cells up to the reading)
+/// per ray.
+pub struct Conventional {
+    occupancy: Raster<f64>,
+    sensor: Arc<dyn SensorModel>,
+    rule: ConventionalRule,
+    line: DigitalLine,
+}
+
+impl Conventional {
+    /// The unseen map.
+    pub fn new(setup: &Setup) -> Self {
+        Self {
+            occupancy: Raster::filled(setup.grid, setup.prior.marginal()),
+            sensor: Arc::clone(&setup.sensor),
+            rule: ConventionalRule::default(),
+            line: DigitalLine::default(),
         }
     }
 }
@@ -58,8 +84,9 @@ impl Mapper for Conventional {
             self.line.trace(self.occupancy.spec(), ray.origin_m, ray.direction, f64::INFINITY);
             for (k, &cell) in self.line.cells().iter().enumerate() {
                 let (enter, exit) = (self.line.ranges()[k], self.line.ranges()[k + 1]);
-                let Some(likelihoods) = self.likelihoods(reading, ray.bearing_rad, enter, exit) else { break };
-                self.occupancy[cell] = bayes(self.occupancy[cell], likelihoods);
+                let likelihoods = self.rule.likelihoods(&*self.sensor, reading, ray.bearing_rad, enter, exit);
+                let Some(likelihoods) = likelihoods else { break };
+                self.occupancy[cell] = ConventionalRule::posterior(self.occupancy[cell], likelihoods);
             }
         }
     }
@@ -67,12 +94,6 @@ impl Mapper for Conventional {
     fn occupancy(&self) -> &Raster<f64> {
         &self.occupancy
     }
-}
-
-/// Eq. (22), kept off 0 and 1. Likelihoods that are both zero say nothing.
-fn bayes(p: f64, [occupied, free]: [f64; 2]) -> f64 {
-    let (yes, no) = (occupied * p, free * (1.0 - p));
-    if yes + no > 0.0 { (yes / (yes + no)).clamp(EPSILON, 1.0 - EPSILON) } else { p }
 }
 
 #[cfg(test)]

@@ -28,7 +28,7 @@ mod reconcile;
 mod visibility;
 
 pub use chain::{Chain, RayPosterior};
-pub use conventional::Conventional;
+pub use conventional::{Conventional, ConventionalRule};
 pub use moments::Moments;
 pub use pairs::{Broken, Joint, PairwiseGrid};
 pub use prior::{CorrelationLaw, Prior};
@@ -48,6 +48,11 @@ pub trait Mapper: Send {
     /// say nothing.
     fn integrate(&mut self, scan: &Scan);
 
-    /// Probability, 0 to 1, that each cell is occupied, given the scans so far.
+    /// Brings the map up to date with the scans so far. A batch mapper, which sees all scans at once,
+    /// solves here; others are always up to date.
+    fn settle(&mut self) {}
+
+    /// Probability, 0 to 1, that each cell is occupied, given the scans up to the last
+    /// [`settle`](Self::settle), or so far if the mapper is no batch mapper.
     fn occupancy(&self) -> &Raster<f64>;
 }

@@ -83,5 +83,5 @@ fn curves(
 }
 
 fn time_of(trial: &Trial, stage: &Stage) -> Option<f64> {
-    Some(trial.runs.first()?.timeline.get(stage.scans.checked_sub(1)?)?.time_s)
+    Some(trial.simulation.scans.get(stage.scans.checked_sub(1)?)?.scan.time_s)
 }
