@@ -3,9 +3,9 @@
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
 use rayon::prelude::*;
-use sensor::Scan;
+use sensor::{Scan, Surface};
 
-use crate::{Drive, Scene, TimedPose, World};
+use crate::{Drive, Hit, Scene, TimedPose, World};
 
 /// Words of the random stream set apart for each ray, so that what one ray draws shifts no other.
 /// A reading draws about ten.
@@ -40,6 +40,7 @@ pub struct Stage {
 
 /// Simulates the readings of a drive. The same seed gives the same readings, whatever the number
 /// of threads: scan `i` reads stream `i` of the seed, and every ray has its place in the stream.
+/// With clustered mismatches a ray's reading depends on the rays before it in its scan too.
 pub fn simulate(scene: &Scene, world: &World, drive: &Drive, seed: u64) -> Simulation {
     let bearings_rad = scene.camera.bearings_rad();
     let scans = drive.poses.par_iter().enumerate();
@@ -49,19 +50,18 @@ pub fn simulate(scene: &Scene, world: &World, drive: &Drive, seed: u64) -> Simul
 }
 
 fn scan(scene: &Scene, world: &World, at: &TimedPose, bearings_rad: &[f64], seed: u64, stream: u64) -> SimulatedScan {
+    let cast = |&bearing: &f64| world.cast(at.pose.position_m(), at.pose.direction(bearing));
+    let hits: Vec<Option<Hit>> = bearings_rad.iter().map(cast).collect();
+    let surface = |hit: Hit| Surface { range_m: hit.range_m, texture: scene.obstacles[hit.obstacle].texture };
+    let surfaces: Vec<_> = hits.iter().map(|hit| hit.map(surface)).collect();
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(stream);
-    let mut readings = Vec::with_capacity(bearings_rad.len());
-    let mut true_ranges_m = Vec::with_capacity(bearings_rad.len());
-    for (ray, &bearing) in bearings_rad.iter().enumerate() {
-        let hit = world.cast(at.pose.position_m(), at.pose.direction(bearing));
+    let readings = scene.matcher.scan(bearings_rad, &surfaces, |ray| {
+        let mut rng = rng.clone();
         rng.set_word_pos(ray as u128 * WORDS_PER_RAY);
-        readings.push(hit.and_then(|hit| {
-            let texture = scene.obstacles[hit.obstacle].texture;
-            scene.matcher.sample(hit.range_m, bearing, texture, &mut rng)
-        }));
-        true_ranges_m.push(hit.map(|hit| hit.range_m));
-    }
+        rng
+    });
+    let true_ranges_m = hits.iter().map(|hit| hit.map(|hit| hit.range_m)).collect();
     let scan = Scan { time_s: at.time_s, pose: at.pose, bearings_rad: bearings_rad.to_vec(), readings };
     SimulatedScan { scan, true_ranges_m }
 }

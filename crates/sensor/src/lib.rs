@@ -4,16 +4,19 @@
 //! read. It can come from the simulator, from a file or from a robot. A [`SensorModel`] says how
 //! likely a reading is when cell `k` of the ray is the first occupied one, `P(o | F_k)`: all a
 //! mapper needs to know of a sensor. [`Stereo`] is the stereo camera of the paper, Eq. (21), and
-//! [`Matcher`] samples the disparities that such a camera would measure.
+//! [`Matcher`] samples the disparities that such a camera would measure, with the paper's
+//! independent mismatches or with [`Clustering`] as measured on real pairs.
 
 mod camera;
+mod clustering;
 mod matcher;
 mod normal;
 mod scan;
 mod stereo;
 
 pub use camera::Camera;
-pub use matcher::Matcher;
+pub use clustering::{Clustering, Mismatches};
+pub use matcher::{Matcher, Surface};
 pub use scan::{Pose, Ray, Scan};
 pub use stereo::Stereo;
 

@@ -4,7 +4,16 @@ use rand::{Rng, RngExt as _};
 use rand_distr::StandardNormal;
 use serde::{Deserialize, Serialize};
 
-use crate::Stereo;
+use crate::{Mismatches, Stereo};
+
+/// What a viewing ray of a simulated scan ends on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Surface {
+    /// Distance along the ray, m.
+    pub range_m: f64,
+    /// Factor on the detection rate, 0 to 1.
+    pub texture: f64,
+}
 
 /// A simulated stereo matcher: [`Stereo`] turned round, from a true range to a reading.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -17,11 +26,52 @@ pub struct Matcher {
     /// Disparities are rounded to multiples of this many px: 1 for whole-pixel matching, a fraction
     /// for sub-pixel interpolation, 0 for none.
     pub quantisation: f64,
+    /// How mismatches are distributed over the image. The paper's, independent, is not written to
+    /// files, so that what was recorded before there was another reads the same.
+    #[serde(default, skip_serializing_if = "Mismatches::are_independent")]
+    pub mismatches: Mismatches,
+}
+
+impl Default for Matcher {
+    /// The paper's camera, an edge in 60 % of the columns, no quantisation.
+    fn default() -> Self {
+        let mismatches = Mismatches::Independent;
+        Self { stereo: Stereo::default(), detection_rate: 0.6, quantisation: 0.0, mismatches }
+    }
 }
 
 impl Matcher {
+    /// The disparities (px) of one scan: one per bearing (rad), from what each ray ends on, if on
+    /// anything.
+    ///
+    /// `stream(column)` gives the random numbers of a column. With independent mismatches a column
+    /// draws from its own numbers alone, as [`sample`](Self::sample) does; with clustered ones
+    /// whether it is a mismatch follows from the columns before it too.
+    ///
+    /// # Panics
+    /// Unless there are as many surfaces as bearings.
+    pub fn scan<R: Rng>(
+        &self,
+        bearings_rad: &[f64],
+        surfaces: &[Option<Surface>],
+        mut stream: impl FnMut(usize) -> R,
+    ) -> Vec<Option<f64>> {
+        assert_eq!(bearings_rad.len(), surfaces.len(), "one surface, or none, per bearing");
+        match &self.mismatches {
+            Mismatches::Clustered(clustering) => clustering.scan(self, bearings_rad, surfaces, stream),
+            Mismatches::Independent => {
+                let columns = bearings_rad.iter().zip(surfaces).enumerate();
+                let read = |(column, (&bearing, surface)): (usize, (&f64, &Option<Surface>))| {
+                    surface.and_then(|s| self.sample(s.range_m, bearing, s.texture, &mut stream(column)))
+                };
+                columns.map(read).collect()
+            }
+        }
+    }
+
     /// The disparity (px) read on a ray at `bearing` (rad) whose first surface is at `range` (m)
-    /// and has the given `texture` (0 to 1), or none.
+    /// and has the given `texture` (0 to 1), or none. Mismatches are the paper's, independent ones:
+    /// others need the whole scan, see [`scan`](Self::scan).
     ///
     /// There is no reading where the column has no edge, and where a correct match would leave
     /// `0 ..= max_disparity`.
@@ -36,7 +86,12 @@ impl Matcher {
         } else {
             max_disparity * rng.random::<f64>()
         };
-        self.quantised(disparity).filter(|d| (0.0..=max_disparity).contains(d))
+        self.reading(disparity)
+    }
+
+    /// The reading of a disparity (px): rounded, and none outside the search range.
+    pub(crate) fn reading(&self, disparity: f64) -> Option<f64> {
+        self.quantised(disparity).filter(|d| (0.0..=self.stereo.max_disparity).contains(d))
     }
 
     /// The noise-free disparity (px) of a surface at `range` (m), if it is within the search range.
@@ -65,7 +120,27 @@ mod tests {
         stereo: Stereo { focal_baseline: 15.0, disparity_sigma: 0.5, correct_match: 0.8, max_disparity: 60.0 },
         detection_rate: 1.0,
         quantisation: 0.0,
+        mismatches: Mismatches::Independent,
     };
+
+    #[test]
+    fn a_scan_of_independent_mismatches_is_its_columns_one_by_one() {
+        let stream = |column: usize| {
+            let mut rng = ChaCha8Rng::seed_from_u64(3);
+            rng.set_word_pos(64 * column as u128);
+            rng
+        };
+        let bearings: Vec<f64> = (0..200).map(|k| 0.005 * f64::from(k - 100)).collect();
+        let surface =
+            |k: usize| (!k.is_multiple_of(7)).then_some(Surface { range_m: 1.0 + 0.02 * k as f64, texture: 0.8 });
+        let surfaces: Vec<_> = (0..200).map(surface).collect();
+        let readings = MATCHER.scan(&bearings, &surfaces, stream);
+        for (k, reading) in readings.iter().enumerate() {
+            let expected = surfaces[k].and_then(|s| MATCHER.sample(s.range_m, bearings[k], 0.8, &mut stream(k)));
+            assert_eq!(*reading, expected, "column {k}");
+        }
+        assert!(readings.iter().flatten().count() > 100);
+    }
 
     #[test]
     fn the_histogram_of_samples_is_the_likelihood() {

@@ -1,6 +1,6 @@
 //! `[camera]`, `[sensor]` and `[robot]`, and their defaults.
 
-use sensor::{Camera, Matcher, Stereo};
+use sensor::{Camera, Clustering, Matcher, Mismatches, Stereo};
 
 use crate::{Robot, SceneError};
 
@@ -23,6 +23,7 @@ const SEARCH: Limit =
 const STEP: Limit =
     limit(0.0, 1e3, "a number in px, 0 to 1000", "give 1 for whole pixels, a fraction for sub-pixels, 0 for none");
 const PROBABILITY: Limit = limit(0.0, 1.0, "a probability, 0 to 1", "give a number such as 0.8");
+const REACH: Limit = limit(1.0, 1e5, "a whole number of columns from 1 to 100000", "give a number such as 7");
 
 const RADIUS: Limit = limit(1e-3, 1e3, "a positive length in m, 0.001 to 1000", "give the robot's radius, such as 0.2");
 const SPEED: Limit = limit(1e-3, 1e3, "a positive speed in m/s, 0.001 to 1000", "give a speed such as 0.5");
@@ -36,9 +37,7 @@ pub(super) fn camera(root: &Table) -> Result<Camera, SceneError> {
     let Some(table) = root.section("camera")? else { return Ok(camera) };
     table.only(&["columns", "field_of_view_deg"])?;
     if let Some(columns) = table.optional_number("columns", &COLUMNS)? {
-        if let Some(value) = table.get("columns").filter(|_| columns.fract() > 0.0) {
-            return Err(table.refuse("columns", value, COLUMNS.bound, COLUMNS.remedy));
-        }
+        whole(&table, "columns", columns, &COLUMNS)?;
         camera.columns = columns as usize;
     }
     if let Some(degrees) = table.optional_number("field_of_view_deg", &FIELD_OF_VIEW)? {
@@ -47,11 +46,16 @@ pub(super) fn camera(root: &Table) -> Result<Camera, SceneError> {
     Ok(camera)
 }
 
+/// Keys of `[sensor]` that say how mismatches cluster.
+const CLUSTERING: [&str; 4] = ["persistence", "copies", "near_misses", "copy_reach"];
+
 /// `[sensor]`: the paper's camera, an edge in 60 % of the columns, no quantisation.
 pub(super) fn matcher(root: &Table) -> Result<Matcher, SceneError> {
-    let mut matcher = Matcher { stereo: Stereo::default(), detection_rate: 0.6, quantisation: 0.0 };
+    let mut matcher = Matcher::default();
     let Some(table) = root.section("sensor")? else { return Ok(matcher) };
+    let mut clustering = Clustering::default();
     let Stereo { focal_baseline, disparity_sigma, correct_match, max_disparity } = &mut matcher.stereo;
+    let mut reach = f64::from(clustering.copy_reach);
     let fields = [
         ("focal_baseline", &FOCAL_BASELINE, focal_baseline),
         ("disparity_sigma", &SIGMA, disparity_sigma),
@@ -59,9 +63,66 @@ pub(super) fn matcher(root: &Table) -> Result<Matcher, SceneError> {
         ("max_disparity", &SEARCH, max_disparity),
         ("detection_rate", &PROBABILITY, &mut matcher.detection_rate),
         ("quantisation", &STEP, &mut matcher.quantisation),
+        ("persistence", &PROBABILITY, &mut clustering.persistence),
+        ("copies", &PROBABILITY, &mut clustering.copies),
+        ("near_misses", &PROBABILITY, &mut clustering.near_misses),
+        ("copy_reach", &REACH, &mut reach),
     ];
-    set(&table, fields)?;
+    let mut known = fields.each_ref().map(|(key, ..)| *key).to_vec();
+    known.push("mismatches");
+    table.only(&known)?;
+    take(&table, fields)?;
+    if !clustered(&table)? {
+        return Ok(matcher);
+    }
+    whole(&table, "copy_reach", reach, &REACH)?;
+    clustering.copy_reach = reach as u32;
+    possible(&table, &clustering, matcher.stereo.correct_match)?;
+    matcher.mismatches = Mismatches::Clustered(clustering);
     Ok(matcher)
+}
+
+/// Whether mismatches are clustered; refuses what is said of clusters where they are not.
+fn clustered(table: &Table) -> Result<bool, SceneError> {
+    let kind = table.get("mismatches").map(|value| (value, value.get_ref().as_str()));
+    match kind {
+        Some((_, Some("clustered"))) => return Ok(true),
+        None | Some((_, Some("independent"))) => {}
+        Some((value, _)) => {
+            let remedy = "independent mismatches are the paper's, clustered ones come in runs";
+            return Err(table.refuse("mismatches", value, "\"independent\" or \"clustered\"", remedy));
+        }
+    }
+    match CLUSTERING.iter().find_map(|key| Some((key, table.get(key)?))) {
+        Some((key, value)) => {
+            let bound = "left out where mismatches are independent";
+            Err(table.refuse(key, value, bound, "write mismatches = \"clustered\" beside it, or take it out"))
+        }
+        None => Ok(false),
+    }
+}
+
+/// Refuses shares of more than everything, and runs too short for the share of mismatches.
+fn possible(table: &Table, clustering: &Clustering, correct_match: f64) -> Result<(), SceneError> {
+    const ROUNDING: f64 = 1e-9;
+    // One of them is in the file: the defaults are possible.
+    let given = |keys: [&'static str; 2]| keys.into_iter().find_map(|key| Some((key, table.get(key)?)));
+    if clustering.copies + clustering.near_misses > 1.0 + ROUNDING
+        && let Some((key, value)) = given(["near_misses", "copies"])
+    {
+        let (copies, near_misses) = (clustering.copies, clustering.near_misses);
+        let bound = format!("such that copies = {copies} and near_misses = {near_misses} add up to at most 1");
+        return Err(table.refuse(key, value, &bound, "the rest of the mismatches is uniform; lower one of them"));
+    }
+    let least = Clustering::least_persistence(correct_match);
+    if clustering.persistence < least - ROUNDING
+        && let Some((key, value)) = given(["persistence", "correct_match"])
+    {
+        let bound = format!("such that persistence = {} is at least {least:.4}", clustering.persistence);
+        let remedy = format!("shorter runs cannot make all but {correct_match} of the matches fail; raise it");
+        return Err(table.refuse(key, value, &bound, &remedy));
+    }
+    Ok(())
 }
 
 /// `[robot]`: 0.2 m, 0.5 m/s, 30 degrees per second, five scans per second.
@@ -82,10 +143,23 @@ pub(super) fn robot(root: &Table) -> Result<Robot, SceneError> {
 /// Takes the numbers that the table gives, and refuses other keys.
 fn set<const N: usize>(table: &Table, fields: [(&str, &Limit, &mut f64); N]) -> Result<(), SceneError> {
     table.only(&fields.each_ref().map(|(key, ..)| *key))?;
+    take(table, fields)
+}
+
+/// Takes the numbers that the table gives.
+fn take<const N: usize>(table: &Table, fields: [(&str, &Limit, &mut f64); N]) -> Result<(), SceneError> {
     for (key, limit, field) in fields {
         if let Some(value) = table.optional_number(key, limit)? {
             *field = value;
         }
     }
     Ok(())
+}
+
+/// Refuses a number with a fraction.
+fn whole(table: &Table, key: &str, number: f64, limit: &Limit) -> Result<(), SceneError> {
+    match table.get(key) {
+        Some(value) if number.fract() > 0.0 => Err(table.refuse(key, value, limit.bound, limit.remedy)),
+        _ => Ok(()),
+    }
 }

@@ -89,3 +89,32 @@ fn readings_follow_the_true_ranges() {
     let deviation = (errors.iter().map(|e| e * e).sum::<f64>() / n).sqrt();
     assert!(n > 400.0 && mean.abs() < 4.0 * 0.5 / n.sqrt() && (deviation - 0.5).abs() < 0.05, "{n} {mean} {deviation}");
 }
+
+#[test]
+fn clustered_mismatches_reach_the_readings_and_do_not_depend_on_threads() {
+    let clustered = ROOM.to_owned() + "[sensor]\nmismatches = \"clustered\"\ncorrect_match = 0.6\n";
+    let independent = ROOM.to_owned() + "[sensor]\ncorrect_match = 0.6\n";
+    let on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        pool.install(|| simulated(&clustered, 7))
+    };
+    let (scene, simulation) = on(1);
+    assert_eq!(simulation, on(3).1);
+    // Wrong readings, more than 2 px off, follow each other more often than without clusters.
+    let repeats = |simulation: &Simulation| {
+        let (mut after_wrong, mut wrong_again) = (0, 0);
+        for scan in &simulation.scans {
+            let mut before = false;
+            for (ray, range) in scan.scan.rays().zip(&scan.true_ranges_m) {
+                let (Some(reading), Some(range)) = (ray.reading, range) else { continue };
+                let wrong = (reading - scene.matcher.stereo.disparity(*range, ray.bearing_rad)).abs() > 2.0;
+                after_wrong += usize::from(before);
+                wrong_again += usize::from(before && wrong);
+                before = wrong;
+            }
+        }
+        wrong_again as f64 / after_wrong as f64
+    };
+    let [apart, together] = [repeats(&simulated(&independent, 7).1), repeats(&simulation)];
+    assert!(together > apart + 0.1, "{together} {apart}");
+}
