@@ -117,6 +117,17 @@ pub enum Problem {
     /// More cells than memory holds.
     #[error("{element}: cell = {cell_m} m makes {columns} x {rows} = {cells} cells, about {}: must fit the {} that are free; use larger cells or smaller [bounds]", size(.bytes), size(.available))]
     Memory { element: String, cell_m: f64, columns: usize, rows: usize, cells: usize, bytes: u64, available: u64 },
+    /// A family where a scene is wanted.
+    #[error("describes a family of scenes, not a scene; ask for one of its layouts, or take [generate] out")]
+    IsFamily,
+    /// A layout of what is no family.
+    #[error(
+        "layout {layout} was asked for: must be a family of scenes to have layouts; leave the layout out, or add [generate]"
+    )]
+    NoFamily { layout: u64 },
+    /// A family without room for its own furniture.
+    #[error("[generate]: layout {layout} finds no room in {attempts} attempts: must hold obstacles of {} m over {covered} of the floor beside a route with {} m on either side; lower covered, obstacle_size or clearance, or make the place larger", metres(.obstacle_m), metres(.needed_m))]
+    NoLayout { layout: u64, attempts: usize, obstacle_m: f64, covered: f64, needed_m: f64 },
     /// A route that would never end.
     #[error("[route]: about {scans:.3e} scans of {columns} columns: must be at most {limit} scans whose readings fit the {} that are free; drive faster, shorten the route, or scan less often", size(.available))]
     TooLong { scans: f64, columns: usize, limit: usize, available: u64 },

@@ -1,6 +1,7 @@
 //! From a scene file to a [`Scene`]: the one door at which everything is checked.
 
 mod camera;
+mod family;
 mod fit;
 mod map;
 mod obstacles;
@@ -13,7 +14,10 @@ use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 
+use toml::Spanned;
 use toml::de::DeTable;
+
+pub(crate) use family::{is_family, parse_family};
 
 use crate::{Place, Problem, Scene, SceneError};
 use table::{Limit, METRES, Source, Table};
@@ -71,16 +75,25 @@ pub(crate) fn read(path: &Path) -> Result<String, SceneError> {
     })
 }
 
-/// Checks a scene file's text.
-pub(crate) fn parse(text: &str, path: &Path, cell_m: Option<f64>) -> Result<Scene, SceneError> {
+/// Parses a file's text as TOML.
+fn open<'a>(text: &'a str, file: &'a str) -> Result<(Source<'a>, Spanned<DeTable<'a>>), SceneError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let name = path.display().to_string();
-    let source = Source::new(&name, text);
+    let source = Source::new(file, text);
     let document = DeTable::parse(text).map_err(|error| {
         let offset = error.span().map_or(0, |span| span.start);
         source.error(offset, Problem::Syntax(error.message().lines().collect::<Vec<_>>().join("; ")))
     })?;
+    Ok((source, document))
+}
+
+/// Checks a scene file's text.
+pub(crate) fn parse(text: &str, path: &Path, cell_m: Option<f64>) -> Result<Scene, SceneError> {
+    let name = path.display().to_string();
+    let (source, document) = open(text, &name)?;
     let root = Table::new(&source, "the scene", 0, document.get_ref());
+    if root.get("generate").is_some() {
+        return Err(source.error(root.offset_of("generate"), Problem::IsFamily));
+    }
     root.only(&KEYS)?;
 
     let name = root.name("name")?;

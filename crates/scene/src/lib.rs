@@ -9,11 +9,16 @@
 //! - [`simulate`], which gives the readings of a seed, whatever the number of threads;
 //! - [`truth`], the cells that are really occupied.
 //!
+//! A [`Family`] makes a scene of every layout number, with furniture of a given mean size that keeps
+//! off the route; [`load`] takes a file of either form.
+//!
 //! Lengths are in metres, angles in radians, counter-clockwise from the x axis.
 
 mod drive;
 mod error;
+mod family;
 mod file;
+mod generate;
 mod geometry;
 mod memory;
 mod scene;
@@ -24,6 +29,7 @@ mod world;
 
 pub use drive::{Drive, TimedPose, drive};
 pub use error::{ErrorKind, Place, Problem, SceneError};
+pub use family::{Family, Set, Variation, load};
 pub use scene::{Area, Obstacle, Origin, Region, Robot, Scene, StagePlan, Stop, Waypoint};
 pub use shape::Shape;
 pub use simulate::{SimulatedScan, Simulation, Stage, simulate};

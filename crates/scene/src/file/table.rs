@@ -104,6 +104,12 @@ impl<'a> Table<'a> {
         self.entries.iter().map(|(key, _)| (key.get_ref().as_ref(), key.span().start))
     }
 
+    /// Every key with the text of its value.
+    pub(super) fn verbatim(&self) -> Vec<(String, String)> {
+        let text = |value: &Value| self.source.text.get(value.span()).unwrap_or_default().to_owned();
+        self.entries.iter().map(|(key, value)| (key.get_ref().to_string(), text(value))).collect()
+    }
+
     pub(super) fn get(&self, key: &str) -> Option<&'a Value<'a>> {
         self.entries.get(key)
     }

@@ -1,0 +1,191 @@
+//! Families: generated scenes, one per layout number.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use crate::generate::{self, Layout, Plan};
+use crate::{Place, Problem, Scene, SceneError, file};
+
+/// A kind of place, of which every layout number gives another: a TOML file with a `[generate]`
+/// table, and the `[grid]`, `[camera]`, `[sensor]` and `[robot]` of its scenes.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Family {
+    /// Short name; the scenes are called `NAME-LAYOUT`.
+    pub name: String,
+    /// One line about it, possibly empty.
+    pub description: String,
+    pub(crate) plan: Plan,
+    /// Radius of the robot, m.
+    pub(crate) robot_radius_m: f64,
+    /// The tables that every scene takes over, with the text of their values.
+    pub(crate) carried: Vec<(&'static str, Vec<(String, String)>)>,
+    pub(crate) path: PathBuf,
+    /// Where `[generate]` stands.
+    pub(crate) place: Place,
+}
+
+/// What is done to a family on purpose, to see what a mapper makes of a world it does not expect.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Variation {
+    /// Factor on the mean obstacle size, 0.1 to 10. The covered share of the floor stays: obstacles of twice
+    /// the size are a quarter as many.
+    pub size_factor: f64,
+}
+
+impl Default for Variation {
+    fn default() -> Self {
+        Self { size_factor: 1.0 }
+    }
+}
+
+/// Sets of layouts that are kept apart: what is fitted on one is reported on another.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Set {
+    /// Layouts on which parameters are chosen.
+    Tuning,
+    /// Layouts on which results are reported.
+    Test,
+    /// Layouts for worlds and sensors other than the mappers believe in.
+    Robustness,
+}
+
+impl Set {
+    /// Layouts in each set.
+    pub const SIZE: u64 = 10_000;
+
+    /// First layout of the test set.
+    pub const FIRST_TEST: u64 = 1;
+
+    /// First layout of the tuning set.
+    pub const FIRST_TUNING: u64 = 10_001;
+
+    /// First layout of the robustness set.
+    pub const FIRST_ROBUSTNESS: u64 = 20_001;
+
+    /// The first `count` layout numbers of the set.
+    ///
+    /// # Panics
+    /// If `count` is more than [`SIZE`](Self::SIZE): the next set begins there.
+    pub fn seeds(self, count: u64) -> std::ops::Range<u64> {
+        assert!(count <= Self::SIZE, "a set has {} layouts, not {count}", Self::SIZE);
+        let first = match self {
+            Self::Test => Self::FIRST_TEST,
+            Self::Tuning => Self::FIRST_TUNING,
+            Self::Robustness => Self::FIRST_ROBUSTNESS,
+        };
+        first..first + count
+    }
+}
+
+impl Family {
+    /// Reads and checks the family file at `path`.
+    ///
+    /// # Errors
+    /// A file that cannot be read, and the first problem with what it says.
+    pub fn load(path: &Path) -> Result<Self, SceneError> {
+        Self::parse(&file::read(path)?, path)
+    }
+
+    /// Checks the family that `text` describes; `path` is named in messages.
+    ///
+    /// # Errors
+    /// The first problem with what the text says.
+    pub fn parse(text: &str, path: &Path) -> Result<Self, SceneError> {
+        file::parse_family(text, path)
+    }
+
+    /// The scene file of a layout, as text. The same seed gives the same text.
+    ///
+    /// # Errors
+    /// A size factor out of range, and a family whose obstacles leave no room for a route.
+    pub fn generate(&self, seed: u64, variation: &Variation) -> Result<String, SceneError> {
+        Ok(self.text(seed, variation, &self.layout(seed, variation)?))
+    }
+
+    /// The scene of a layout, read from its text as any other. `cell_m` replaces the file's cell size (m).
+    ///
+    /// # Errors
+    /// As [`generate`](Self::generate), and what [`Scene::parse`] refuses.
+    pub fn scene(&self, seed: u64, cell_m: Option<f64>, variation: &Variation) -> Result<Scene, SceneError> {
+        let path = PathBuf::from(format!("{} (layout {seed})", self.path.display()));
+        Scene::parse(&self.generate(seed, variation)?, &path, cell_m)
+    }
+
+    fn layout(&self, seed: u64, variation: &Variation) -> Result<Layout, SceneError> {
+        let invalid = |problem| SceneError::Invalid { place: self.place.clone(), problem: Box::new(problem) };
+        let size_factor = variation.size_factor;
+        if !(0.1..=10.0).contains(&size_factor) {
+            return Err(invalid(Problem::Value {
+                element: "the variation asked for".to_owned(),
+                key: "size_factor".to_owned(),
+                value: size_factor.to_string(),
+                bound: "a factor on the obstacle size, 0.1 to 10".to_owned(),
+                remedy: "give a factor such as 2, or 1 for the family as it is".to_owned(),
+            }));
+        }
+        let plan = Plan { obstacle_m: self.plan.obstacle_m * size_factor, ..self.plan.clone() };
+        let clear_m = self.robot_radius_m + plan.clearance_m;
+        generate::layout(&plan, clear_m, seed).ok_or_else(|| {
+            invalid(Problem::NoLayout {
+                layout: seed,
+                attempts: generate::ATTEMPTS,
+                obstacle_m: plan.obstacle_m,
+                covered: plan.covered,
+                needed_m: clear_m,
+            })
+        })
+    }
+
+    /// A layout as a scene file.
+    fn text(&self, seed: u64, variation: &Variation, layout: &Layout) -> String {
+        let Self { name, description, .. } = self;
+        let [width, height] = layout.size_m;
+        let mut text =
+            format!("# Layout {seed} of the family {name}, obstacle size times {}.\n\n", variation.size_factor);
+        let quoted = description.replace('\\', "\\\\").replace('"', "\\\"");
+        let _ = write!(text, "name = \"{name}-{seed}\"\ndescription = \"{quoted}\"\n\n");
+        let _ = write!(text, "[bounds]\nmin = [0.0, 0.0]\nmax = [{width:?}, {height:?}]\n\n");
+        for piece in &layout.pieces {
+            let _ = write!(text, "{piece}\n\n");
+        }
+        text += "[waypoints]\n";
+        for (name, [x, y]) in &layout.waypoints {
+            let _ = writeln!(text, "{name} = [{x:?}, {y:?}]");
+        }
+        let _ = write!(text, "\n[route]\nstops = {:?}\n", layout.stops);
+        for (name, stops) in &layout.stages {
+            let _ = write!(text, "\n[[stage]]\nname = \"{name}\"\nafter = {:?}\n", &layout.stops[..*stops]);
+        }
+        for (section, entries) in &self.carried {
+            let _ = write!(text, "\n[{section}]\n");
+            for (key, value) in entries {
+                let _ = writeln!(text, "{key} = {value}");
+            }
+        }
+        text
+    }
+}
+
+/// The scene at `path`: a scene file's, or with `layout` that of a family file. `cell_m` replaces the file's
+/// cell size (m).
+///
+/// # Errors
+/// As [`Scene::load`] and [`Family::scene`]; a layout of what is no family.
+pub fn load(path: &Path, cell_m: Option<f64>, layout: Option<u64>) -> Result<Scene, SceneError> {
+    let text = file::read(path)?;
+    if file::is_family(&text) {
+        return Family::parse(&text, path)?.scene(layout.unwrap_or(Set::FIRST_TEST), cell_m, &Variation::default());
+    }
+    let scene = Scene::parse(&text, path, cell_m)?;
+    match layout {
+        None => Ok(scene),
+        Some(layout) => {
+            let place = Place { file: path.display().to_string(), line: 1, column: 1 };
+            Err(SceneError::Invalid { place, problem: Box::new(Problem::NoFamily { layout }) })
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,129 @@
+//! A family file: `[generate]`, and the tables that its scenes take over.
+
+use std::path::Path;
+
+use toml::de::DeTable;
+
+use crate::generate::{Kind, Plan};
+use crate::{Family, SceneError};
+
+use super::table::{Limit, Table};
+use super::{DEFAULT_CELL_M, camera, grid_spec, open};
+
+const KEYS: [&str; 7] = ["name", "description", "generate", "grid", "camera", "sensor", "robot"];
+
+/// Tables of a scene that a family gives to each of its own.
+const CARRIED: [&str; 4] = ["grid", "camera", "sensor", "robot"];
+
+/// Longest name: with a hyphen and a layout number of up to 20 digits it is a scene's name of 32.
+const LONGEST_NAME: usize = 11;
+
+const COMMON: [&str; 10] = [
+    "kind",
+    "width",
+    "height",
+    "obstacle_size",
+    "obstacle_spread",
+    "covered",
+    "discs",
+    "along_walls",
+    "clearance",
+    "wall_thickness",
+];
+
+const fn limit(min: f64, max: f64, bound: &'static str, remedy: &'static str) -> Limit {
+    Limit { min, max, bound, remedy }
+}
+
+const SIDE: Limit =
+    limit(2.0, 100.0, "two lengths in m, 2 to 100, the least first", "give [least, most], such as [6.0, 8.0]");
+const OPENING: Limit =
+    limit(0.1, 20.0, "two lengths in m, 0.1 to 20, the least first", "give [least, most], such as [0.9, 1.1]");
+const OBSTACLE: Limit = limit(0.02, 10.0, "a length in m, 0.02 to 10", "give the mean size, such as 0.4");
+const SPREAD: Limit =
+    limit(0.0, 0.9, "a share from 0 to 0.9", "0.5 draws sizes from half to one and a half of the mean");
+const COVERED: Limit =
+    limit(0.0, 0.4, "a share from 0 to 0.4", "give the share of the floor under furniture, such as 0.08");
+const SHARE: Limit = limit(0.0, 1.0, "a share from 0 to 1", "give a number such as 0.3");
+const CLEARANCE: Limit = limit(0.01, 2.0, "a length in m, 0.01 to 2", "give what the robot keeps off, such as 0.1");
+const THICKNESS: Limit = limit(0.01, 1.0, "a length in m, 0.01 to 1", "give the walls' thickness, such as 0.1");
+
+/// Whether a text is a family file rather than a scene's.
+pub(crate) fn is_family(text: &str) -> bool {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    DeTable::parse(text).is_ok_and(|document| document.get_ref().get("generate").is_some())
+}
+
+/// Checks a family file's text.
+pub(crate) fn parse_family(text: &str, path: &Path) -> Result<Family, SceneError> {
+    let file = path.display().to_string();
+    let (source, document) = open(text, &file)?;
+    let root = Table::new(&source, "the family", 0, document.get_ref());
+    root.only(&KEYS)?;
+    let name = root.name("name")?;
+    if let Some(value) = root.get("name").filter(|_| name.len() > LONGEST_NAME) {
+        let bound = format!("at most {LONGEST_NAME} characters");
+        return Err(root.refuse("name", value, &bound, "the number of the layout is added to it"));
+    }
+    let description = root.text("description")?.unwrap_or_default();
+    let Some(table) = root.section("generate")? else {
+        return Err(root.missing("[generate]", "[generate] with kind = \"clutter\" and sizes"));
+    };
+    let plan = plan(&table)?;
+    grid_spec(&root, [[0.0; 2], plan.size_m.map(|[_, most]| most)], None, DEFAULT_CELL_M)?;
+    camera::camera(&root)?;
+    camera::matcher(&root)?;
+    let robot_radius_m = camera::robot(&root)?.radius_m;
+    let mut carried = Vec::new();
+    for section in CARRIED {
+        if let Some(table) = root.section(section)? {
+            carried.push((section, table.verbatim()));
+        }
+    }
+    let place = source.place(root.offset_of("generate"));
+    Ok(Family { name, description, plan, robot_radius_m, carried, path: path.to_owned(), place })
+}
+
+fn plan(table: &Table) -> Result<Plan, SceneError> {
+    let kinds = "\"clutter\", \"corridor\", \"hall\" or \"two-rooms\"";
+    let Some(kind) = table.get("kind") else { return Err(table.missing("kind", &format!("`kind = ...`, {kinds}"))) };
+    let openings: &[&str] = match kind.get_ref().as_str() {
+        Some("clutter" | "hall") => &[],
+        Some("corridor") => &["passage", "door"],
+        Some("two-rooms") => &["door"],
+        _ => return Err(table.refuse("kind", kind, kinds, "name the kind of place")),
+    };
+    table.only(&[&COMMON, openings].concat())?;
+    let or = |key, limit: &Limit, default| Ok::<_, SceneError>(table.optional_number(key, limit)?.unwrap_or(default));
+    let kind = match kind.get_ref().as_str() {
+        Some("corridor") => {
+            Kind::Corridor { passage_m: range(table, "passage", &OPENING)?, door_m: range(table, "door", &OPENING)? }
+        }
+        Some("two-rooms") => Kind::TwoRooms { door_m: range(table, "door", &OPENING)? },
+        Some("hall") => Kind::Hall,
+        _ => Kind::Clutter,
+    };
+    Ok(Plan {
+        kind,
+        size_m: [range(table, "width", &SIDE)?, range(table, "height", &SIDE)?],
+        obstacle_m: table.number("obstacle_size", &OBSTACLE)?,
+        spread: or("obstacle_spread", &SPREAD, 0.5)?,
+        covered: table.number("covered", &COVERED)?,
+        discs: or("discs", &SHARE, 0.25)?,
+        along_walls: or("along_walls", &SHARE, 0.3)?,
+        clearance_m: or("clearance", &CLEARANCE, 0.1)?,
+        wall_m: or("wall_thickness", &THICKNESS, 0.1)?,
+    })
+}
+
+/// Two numbers, the least first.
+fn range(table: &Table, key: &str, limit: &Limit) -> Result<[f64; 2], SceneError> {
+    let [least, most] = table.required_pair(key, limit)?;
+    match table.get(key) {
+        Some(value) if least > most => Err(table.refuse(key, value, limit.bound, limit.remedy)),
+        _ => Ok([least, most]),
+    }
+}
+
+#[cfg(test)]
+mod tests;
