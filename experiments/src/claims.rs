@@ -3,6 +3,7 @@
 use score::{Better, Summary};
 use serde::Serialize;
 
+use crate::failure::Failure;
 use crate::trial::Trial;
 
 /// Something that must be true of the results.
@@ -14,6 +15,19 @@ pub struct Claim {
     pub measured: String,
     /// Whether it holds.
     pub holds: bool,
+}
+
+/// Whether every claim holds.
+///
+/// # Errors
+/// Those that do not, with their numbers.
+pub fn all_hold(claims: &[Claim]) -> Result<(), Failure> {
+    let failed: Vec<String> =
+        claims.iter().filter(|c| !c.holds).map(|c| format!("{}: {}", c.claim, c.measured)).collect();
+    match failed.len() {
+        0 => Ok(()),
+        n => Err(Failure::Claim(format!("{n} of {} claims fail: {}", claims.len(), failed.join("; ")))),
+    }
 }
 
 /// Least share of the region's free cells that `visibility` must still hold free in the end.

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use crate::compare::options::CompareOptions;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use mapper::{CorrelationLaw, Prior, Reconciliation};
 
@@ -12,7 +13,8 @@ use mapper::{CorrelationLaw, Prior, Reconciliation};
     name = "experiments",
     version,
     max_term_width = 100,
-    after_help = "Exit codes: 0 done, 1 internal or I/O error, 2 usage or bad input, 3 a claim does not hold, 130 Ctrl-C."
+    after_help = "Exit codes: 0 done, 1 internal or I/O error, 2 usage or bad input, 3 a claim does not hold, \
+                  75 interrupted, run again to go on, 130 Ctrl-C."
 )]
 pub struct Cli {
     /// What to run.
@@ -25,6 +27,8 @@ pub struct Cli {
 pub enum Command {
     /// The paper's room experiment (Section 3.3, Figures 11-14): simulate, map, score, show
     Room(RoomOptions),
+    /// All mappers over many generated worlds, with the statistics to say which is better, where and by how much
+    Compare(CompareOptions),
     /// Check a scene file and say what it holds, without mapping anything
     Check(CheckOptions),
     /// List experiments, mappers and the scenes at hand
@@ -162,17 +166,17 @@ pub struct ListOptions {
 const MOST_SEEDS: u32 = 10_000;
 
 /// More threads than any machine has processors only cost memory.
-const MOST_THREADS: u32 = 1024;
+pub(crate) const MOST_THREADS: u32 = 1024;
 
-fn count(most: u32) -> clap::builder::RangedI64ValueParser<u32> {
+pub(crate) fn count(most: u32) -> clap::builder::RangedI64ValueParser<u32> {
     clap::value_parser!(u32).range(1..=i64::from(most))
 }
 
-fn probability(text: &str) -> Result<f64, String> {
+pub(crate) fn probability(text: &str) -> Result<f64, String> {
     number(text, "from 0 to 1", |v| (0.0..=1.0).contains(&v))
 }
 
-fn positive(text: &str) -> Result<f64, String> {
+pub(crate) fn positive(text: &str) -> Result<f64, String> {
     number(text, "above 0 and finite", |v| v > 0.0 && v.is_finite())
 }
 

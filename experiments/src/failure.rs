@@ -7,7 +7,7 @@ use std::{fmt, io};
 
 use thiserror::Error;
 
-use crate::staging;
+use crate::interruption;
 
 /// Why a command did not succeed.
 #[derive(Debug, Error)]
@@ -36,8 +36,8 @@ impl Failure {
 
     /// Prints the message to stderr and gives the exit code.
     pub fn report(&self) -> ExitCode {
-        if staging::interrupted() {
-            return ExitCode::from(staging::INTERRUPTED_CODE);
+        if let Some(code) = interruption::exit_code() {
+            return ExitCode::from(code);
         }
         // Nobody may be listening any more.
         let _ = writeln!(io::stderr(), "error: {self}");

@@ -7,9 +7,12 @@
 pub mod check;
 pub mod claims;
 pub mod cli;
+pub mod compare;
 pub mod failure;
 pub mod figures;
+pub mod interruption;
 pub mod list;
+pub mod mappers;
 pub mod progress;
 pub mod record;
 pub mod report;
@@ -17,4 +20,5 @@ pub mod room;
 pub mod staging;
 pub mod summary;
 pub mod table;
+pub mod threads;
 pub mod trial;

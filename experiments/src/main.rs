@@ -3,11 +3,12 @@
 use std::process::ExitCode;
 
 use clap::Parser as _;
-use experiments::{check, cli, list, room};
+use experiments::{check, cli, compare, list, room};
 
 fn main() -> ExitCode {
     let outcome = match cli::Cli::parse().command {
         cli::Command::Room(options) => room::run(&options),
+        cli::Command::Compare(options) => compare::run(&options),
         cli::Command::Check(options) => check::run(&options),
         cli::Command::List(options) => list::run(&options),
     };

@@ -41,3 +41,29 @@ impl Progress {
         self.bar.finish_and_clear();
     }
 }
+
+/// Progress over many worlds, with what is left. Silent where stderr is not a terminal.
+pub struct Worlds {
+    bar: ProgressBar,
+}
+
+impl Worlds {
+    /// A bar over so many worlds.
+    pub fn new(worlds: usize) -> Self {
+        let bar = ProgressBar::new(worlds as u64);
+        let style = ProgressStyle::with_template("{bar:32} {pos}/{len} worlds, {elapsed}, {eta} left");
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        bar.enable_steady_tick(Duration::from_millis(200));
+        Self { bar }
+    }
+
+    /// One more is finished.
+    pub fn step(&self) {
+        self.bar.inc(1);
+    }
+
+    /// Takes the bar away.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}

@@ -7,18 +7,20 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
-use mapper::catalogue::{self, Entry, Setup};
+use mapper::catalogue::{Entry, Setup};
 use rayon::prelude::*;
 use scene::Scene;
 
 use crate::claims::{self, Claim};
 use crate::cli::{Format, RoomOptions};
 use crate::failure::Failure;
+use crate::interruption;
+use crate::mappers::entries;
 use crate::progress::Progress;
 use crate::record::{Configuration, Record, Robot, Stage, versions};
-use crate::staging::{self, Staging};
+use crate::staging::Staging;
 use crate::trial::{Ground, Keep, Trial};
-use crate::{summary, table};
+use crate::{summary, table, threads};
 
 /// Runs the experiment.
 ///
@@ -26,7 +28,7 @@ use crate::{summary, table};
 /// Bad input before any work, I/O, and claims that do not hold.
 pub fn run(options: &RoomOptions) -> Result<(), Failure> {
     let start = Instant::now();
-    staging::clean_up_when_interrupted();
+    interruption::watch();
     let mappers = entries(&options.mappers)?;
     let scene = Scene::load(&options.scene, options.grid)?;
     let seeds = seeds(options)?;
@@ -34,7 +36,7 @@ pub fn run(options: &RoomOptions) -> Result<(), Failure> {
     let ground = Ground::new(scene, options.belief.prior)?;
     claimable(&ground, options)?;
     let mut staging = Staging::open(&out)?;
-    set_threads(options)?;
+    threads::limit(options.threads)?;
 
     let setup = Setup {
         grid: ground.scene.grid,
@@ -64,7 +66,7 @@ pub fn run(options: &RoomOptions) -> Result<(), Failure> {
         let note = "note: the scene's claims compare visibility with conventional; without both they are not judged";
         let _ = writeln!(std::io::stderr(), "{note}");
     }
-    judged(&claims)
+    claims::all_hold(&claims)
 }
 
 /// Claims are made about free cells: a region without any is a mistake in the scene.
@@ -83,30 +85,6 @@ fn claimable(ground: &Ground, options: &RoomOptions) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The mappers of the given names.
-///
-/// # Errors
-/// A name that does not exist, with those that do and the nearest; a name given twice; no name.
-pub fn entries(names: &[String]) -> Result<Vec<&'static Entry>, Failure> {
-    let known = || catalogue::MAPPERS.iter().map(|entry| entry.name);
-    let mut entries: Vec<&'static Entry> = Vec::new();
-    for name in names {
-        let Some(entry) = catalogue::find(name) else {
-            let nearest = known().max_by(|a, b| strsim::jaro(a, name).total_cmp(&strsim::jaro(b, name)));
-            return Err(Failure::BadInput(format!(
-                "--mappers: there is no mapper {name:?}; the nearest is '{}', all are: {}",
-                nearest.unwrap_or_default(),
-                known().collect::<Vec<_>>().join(", ")
-            )));
-        };
-        if entries.iter().any(|e| e.name == entry.name) {
-            return Err(Failure::BadInput(format!("--mappers: '{name}' is given twice; name each mapper once")));
-        }
-        entries.push(entry);
-    }
-    Ok(entries)
-}
-
 fn seeds(options: &RoomOptions) -> Result<Vec<u64>, Failure> {
     let count = u64::from(options.seeds);
     let last = options.seed.checked_add(count - 1).ok_or_else(|| {
@@ -117,12 +95,6 @@ fn seeds(options: &RoomOptions) -> Result<Vec<u64>, Failure> {
         ))
     })?;
     Ok((options.seed..=last).collect())
-}
-
-fn set_threads(options: &RoomOptions) -> Result<(), Failure> {
-    let Some(threads) = options.threads else { return Ok(()) };
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads as usize);
-    pool.build_global().map_err(|e| Failure::BadInput(format!("--threads {threads}: {e}; ask for fewer")))
 }
 
 /// One trial per seed; all but the first keep only their scores.
@@ -169,14 +141,5 @@ fn record(options: &RoomOptions, ground: &Ground, mappers: &[&Entry], stages: &[
         claims: claims.to_vec(),
         versions: versions(),
         files: Vec::new(),
-    }
-}
-
-fn judged(claims: &[Claim]) -> Result<(), Failure> {
-    let failed: Vec<String> =
-        claims.iter().filter(|c| !c.holds).map(|c| format!("{}: {}", c.claim, c.measured)).collect();
-    match failed.len() {
-        0 => Ok(()),
-        n => Err(Failure::Claim(format!("{n} of {} claims fail: {}", claims.len(), failed.join("; ")))),
     }
 }

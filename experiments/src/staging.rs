@@ -4,17 +4,11 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::failure::Failure;
 
 /// Folders to remove when the program is interrupted.
 static OPEN: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
-
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
-
-/// Exit code after Ctrl-C.
-pub const INTERRUPTED_CODE: u8 = 130;
 
 /// Name of the file that lists what a run wrote; it is put in place last.
 pub const RECORD: &str = "run.json";
@@ -133,24 +127,12 @@ impl Drop for Staging {
     }
 }
 
-/// On Ctrl-C, removes what is in the making and ends with exit code 130.
-pub fn clean_up_when_interrupted() {
-    // A second handler in one process is refused; the first does the same.
-    let _ = ctrlc::set_handler(|| {
-        INTERRUPTED.store(true, Ordering::SeqCst);
-        if let Ok(open) = OPEN.lock() {
-            for path in open.iter() {
-                let _ = fs::remove_dir_all(path);
-                let _ = path.parent().map(fs::remove_dir); // the output folder, if it is empty
-            }
-        }
-        std::process::exit(i32::from(INTERRUPTED_CODE));
-    });
-}
-
-/// Whether Ctrl-C was pressed: files then vanish under the hands of whoever still writes them.
-pub fn interrupted() -> bool {
-    INTERRUPTED.load(Ordering::SeqCst)
+/// Removes all that is in the making: the program is about to end.
+pub fn abandon_all() {
+    for path in OPEN.lock().iter().flat_map(|open| open.iter()) {
+        let _ = fs::remove_dir_all(path);
+        let _ = path.parent().map(fs::remove_dir); // the output folder, if it is empty
+    }
 }
 
 /// An exclusive lock on the folder itself; none where the system has no such locks.

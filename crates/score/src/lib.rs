@@ -5,7 +5,7 @@
 //! - [`Sightings`] turns noise-free casts ([`Sight`]) into the masks of every [`Region`].
 //! - [`Scorer`] compares a map with the truth over a mask and gives [`Scores`], a list of [`Metric`]s.
 //! - [`log_loss`] is the one metric cheap enough for every scan; [`reliability`] is the diagram
-//!   behind the calibration error.
+//!   behind the calibration error; [`probability_bins`] is the one that adds up over maps.
 //! - [`Retention`] follows free space from scan to scan.
 //! - [`error_profile`] shows where a map is wrong: error against range, or against number of looks.
 //! - [`Comparison`] says which of two methods is better, by how much and how surely; [`holm`] adjusts
@@ -20,6 +20,7 @@ mod error;
 mod judged;
 mod log_loss;
 mod metric;
+mod pooled;
 mod profile;
 mod ranking;
 mod region;
@@ -35,6 +36,7 @@ pub use calibration::{BINS, Bin, reliability};
 pub use error::ScoreError;
 pub use log_loss::log_loss;
 pub use metric::Metric;
+pub use pooled::{PROBABILITY_EDGES, ProbabilityBin, probability_bins};
 pub use profile::{ErrorBin, ErrorProfile, LOOK_EDGES, RANGE_EDGES_M, error_profile};
 pub use region::Region;
 pub use retention::Retention;

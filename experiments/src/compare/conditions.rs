@@ -1,0 +1,65 @@
+//! Worlds that differ from what the mappers believe.
+
+use sensor::{Matcher, Mismatches};
+
+/// How the simulated world differs from the one that the mappers believe in.
+#[derive(Clone, Copy)]
+pub struct Condition {
+    /// Its name in every file.
+    pub name: &'static str,
+    /// One line for people.
+    pub summary: &'static str,
+    /// Factor on the mean size of obstacles; the mappers keep their correlation.
+    pub size_factor: f64,
+    /// What becomes of the simulated camera; the mappers keep the camera of the scene's file.
+    pub camera: fn(&mut Matcher),
+}
+
+/// The world as the mappers believe it to be.
+pub const AS_BELIEVED: Condition = Condition {
+    name: "as-believed",
+    summary: "the mappers know the camera, and obstacles have the size they expect",
+    size_factor: 1.0,
+    camera: |_| {},
+};
+
+/// The robustness set: one thing differs at a time.
+pub const DEPARTURES: [Condition; 7] = [
+    Condition {
+        name: "match-0.6",
+        summary: "correct matches 0.6",
+        camera: |m| m.stereo.correct_match = 0.6,
+        ..AS_BELIEVED
+    },
+    Condition {
+        name: "match-0.95",
+        summary: "correct matches 0.95",
+        camera: |m| m.stereo.correct_match = 0.95,
+        ..AS_BELIEVED
+    },
+    Condition {
+        name: "sigma-0.5",
+        summary: "sigma of the disparity halved",
+        camera: |m| m.stereo.disparity_sigma *= 0.5,
+        ..AS_BELIEVED
+    },
+    Condition {
+        name: "sigma-2",
+        summary: "sigma of the disparity doubled",
+        camera: |m| m.stereo.disparity_sigma *= 2.0,
+        ..AS_BELIEVED
+    },
+    Condition { name: "size-0.5", summary: "obstacles half as large", size_factor: 0.5, ..AS_BELIEVED },
+    Condition { name: "size-2", summary: "obstacles twice as large", size_factor: 2.0, ..AS_BELIEVED },
+    Condition {
+        name: "clusters",
+        summary: "mismatches in runs that copy neighbouring surfaces",
+        camera: |m| m.mismatches = Mismatches::Clustered(Default::default()),
+        ..AS_BELIEVED
+    },
+];
+
+/// The condition of the given name.
+pub fn condition(name: &str) -> Option<&'static Condition> {
+    [&AS_BELIEVED].into_iter().chain(&DEPARTURES).find(|condition| condition.name == name)
+}

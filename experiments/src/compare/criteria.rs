@@ -1,0 +1,79 @@
+//! What is compared, which way is better, and which differences do not matter.
+
+use score::Better::{self, Higher, Lower};
+
+/// A metric as comparisons treat it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Criterion {
+    /// Its name in crate `score` and in every file.
+    pub metric: &'static str,
+    /// What tables for reading call it.
+    pub title: &'static str,
+    /// Its unit; `1` for a share.
+    pub unit: &'static str,
+    /// Decimals in tables for reading.
+    pub decimals: usize,
+    /// Which way is better, and the largest difference that does not matter, in the metric's unit. None of a
+    /// metric that describes a map without judging it.
+    pub judged: Option<(Better, f64)>,
+}
+
+/// Every metric, in the order of [`score::Scores::metrics`], then retention.
+///
+/// The margins were set before any comparison was run: half a percent of probability for log loss,
+/// half a cell in a hundred for shares, 20 cells of 5 cm for areas.
+pub const CRITERIA: [Criterion; 13] = [
+    judged("log_loss", "log loss", "nats/cell", 3, Lower, 0.005),
+    judged("brier", "Brier", "1", 4, Lower, 0.002),
+    judged("ece", "ECE", "1", 3, Lower, 0.005),
+    judged("auc", "AUC", "1", 3, Higher, 0.005),
+    judged("iou", "IoU", "1", 3, Higher, 0.02),
+    Criterion { metric: "decided", title: "decided", unit: "1", decimals: 3, judged: None },
+    judged("free_agreement", "free agreement", "1", 3, Higher, 0.005),
+    judged("occupied_agreement", "occupied agreement", "1", 3, Higher, 0.02),
+    judged("phantom_area", "phantom", "m²", 2, Lower, 0.05),
+    judged("missed_area", "missed", "m²", 2, Lower, 0.05),
+    judged("free_known", "held free", "1", 3, Higher, 0.005),
+    judged("free_lost", "free lost", "1", 3, Lower, 0.005),
+    judged("retention", "retention", "1", 3, Higher, 0.005),
+];
+
+const fn judged(
+    metric: &'static str,
+    title: &'static str,
+    unit: &'static str,
+    decimals: usize,
+    better: Better,
+    margin: f64,
+) -> Criterion {
+    Criterion { metric, title, unit, decimals, judged: Some((better, margin)) }
+}
+
+/// The criterion of the given metric.
+pub fn criterion(metric: &str) -> Option<&'static Criterion> {
+    CRITERIA.iter().find(|criterion| criterion.metric == metric)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use grid::{GridSpec, Raster};
+    use score::{Margin, Retention, Scorer};
+
+    #[test]
+    fn the_list_is_what_a_map_is_scored_by() {
+        let spec = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: 2, height: 1 };
+        let truth = Raster::new(spec, vec![Some(true), Some(false)]);
+        let surface = Raster::filled(spec, true);
+        let scores = Scorer::new(&truth, &surface).and_then(|s| s.scores(&Raster::filled(spec, 0.5), &surface));
+        let mut scored = scores.expect("valid").metrics().to_vec();
+        scored.push(Retention::new(&truth).metric(None).expect("valid"));
+        let listed: Vec<_> = CRITERIA.iter().map(|c| (c.metric, c.unit)).collect();
+        assert_eq!(listed, scored.iter().map(|m| (m.name, m.unit)).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn every_margin_is_one() {
+        assert!(CRITERIA.iter().filter_map(|c| c.judged).all(|(_, margin)| Margin::new(margin).is_ok()));
+    }
+}

@@ -1,0 +1,70 @@
+//! Options of `compare`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use crate::cli::{Belief, Format, MOST_THREADS, count};
+
+/// Options of `compare`.
+#[derive(Debug, Args)]
+pub struct CompareOptions {
+    /// Which worlds
+    #[arg(long, value_enum, default_value_t)]
+    pub set: Worlds,
+    /// Families of generated scenes, comma-separated
+    #[arg(
+        long,
+        value_name = "FILE,FILE",
+        value_delimiter = ',',
+        default_value = "scenes/clutter.toml,scenes/corridors.toml,scenes/halls.toml,scenes/two-rooms.toml"
+    )]
+    pub families: Vec<PathBuf>,
+    /// Worlds of each family under each condition [default: 30 test, 8 robustness, 10 tuning; 6 with --quick]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = count(10_000))]
+    pub seeds: Option<u32>,
+    /// Batch mappers run on the first N of them only [default: a third]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(0..=10_000))]
+    pub batch_seeds: Option<u32>,
+    /// Mappers, comma-separated; visibility, which all are compared with, must be among them [default: all, see `list`]
+    #[arg(long, value_name = "A,B", value_delimiter = ',')]
+    pub mappers: Vec<String>,
+    /// A first impression within a minute: fewer worlds, one of each family for batch mappers, fewer repeats
+    #[arg(long)]
+    pub quick: bool,
+    /// What the mappers believe before the first reading
+    #[command(flatten)]
+    pub belief: Belief,
+    /// Folder for tables, pictures and report, written whole or not at all [default: results/compare and the set's name]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Form of the table on stdout; csv and json give all differences
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+    /// Threads to use, all processors if not given; results do not depend on it
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = count(MOST_THREADS))]
+    pub threads: Option<u32>,
+}
+
+/// A set of generated worlds, see [`scene::Set`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum Worlds {
+    /// worlds that no parameter was fitted on
+    #[default]
+    Test,
+    /// worlds that differ from what the mappers believe
+    Robustness,
+    /// worlds that parameters are fitted on
+    Tuning,
+}
+
+impl Worlds {
+    /// Its name in files and folders.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Test => "test",
+            Self::Robustness => "robustness",
+            Self::Tuning => "tuning",
+        }
+    }
+}

@@ -1,0 +1,29 @@
+//! Mappers by the names that a user gives.
+
+use mapper::catalogue::{self, Entry};
+
+use crate::failure::Failure;
+
+/// The mappers of the given names.
+///
+/// # Errors
+/// A name that does not exist, with those that do and the nearest; a name given twice; no name.
+pub fn entries(names: &[String]) -> Result<Vec<&'static Entry>, Failure> {
+    let known = || catalogue::MAPPERS.iter().map(|entry| entry.name);
+    let mut entries: Vec<&'static Entry> = Vec::new();
+    for name in names {
+        let Some(entry) = catalogue::find(name) else {
+            let nearest = known().max_by(|a, b| strsim::jaro(a, name).total_cmp(&strsim::jaro(b, name)));
+            return Err(Failure::BadInput(format!(
+                "--mappers: there is no mapper {name:?}; the nearest is '{}', all are: {}",
+                nearest.unwrap_or_default(),
+                known().collect::<Vec<_>>().join(", ")
+            )));
+        };
+        if entries.iter().any(|e| e.name == entry.name) {
+            return Err(Failure::BadInput(format!("--mappers: '{name}' is given twice; name each mapper once")));
+        }
+        entries.push(entry);
+    }
+    Ok(entries)
+}
