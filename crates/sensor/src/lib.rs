@@ -55,4 +55,8 @@ pub trait SensorModel: Send + Sync {
     /// Probability that a false match falls into a bin of the given half width:
     /// `P(o | F_k, not T)` as a probability.
     fn false_match_probability(&self, half_width: f64) -> f64;
+
+    /// Range (m) along the ray at which a point gives this reading without noise, for rules that take a
+    /// reading for a point; none where no finite range does (disparity 0, a ray behind the image plane).
+    fn range_of(&self, reading: f64, bearing: f64) -> Option<f64>;
 }

@@ -104,6 +104,10 @@ impl SensorModel for Stereo {
     fn false_match_probability(&self, half_width: f64) -> f64 {
         2.0 * half_width / self.max_disparity
     }
+
+    fn range_of(&self, reading: f64, bearing: f64) -> Option<f64> {
+        Some(self.range(reading, bearing)).filter(|range| *range >= 0.0 && range.is_finite())
+    }
 }
 
 #[cfg(test)]
@@ -146,6 +150,13 @@ mod tests {
         assert!((likelihood(10.0, 3.0, 1.5, 1.55) - floor).abs() < 1e-15, "nor a ray behind the image plane");
         let peak = 0.8 / (0.5 * (2.0 * std::f64::consts::PI).sqrt()) + floor;
         assert!((likelihood(10.0, 0.0, 1.5, 1.5) - peak).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_reading_is_a_point_unless_it_is_at_infinity() {
+        assert!((STEREO.range_of(10.0, 0.0).expect("finite") - 1.5).abs() < 1e-12);
+        assert_eq!(STEREO.range_of(0.0, 0.0), None, "no parallax");
+        assert_eq!(STEREO.range_of(10.0, 3.0), None, "behind the image plane");
     }
 
     #[test]
