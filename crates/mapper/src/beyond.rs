@@ -1,5 +1,6 @@
 //! Beyond the last cell of a ray the world goes on.
 
+use grid::DigitalLine;
 use sensor::SensorModel;
 
 /// The chain past the end of a ray: cells of one chord length, each of which begins an obstacle
@@ -64,6 +65,14 @@ pub fn likelihood(sensor: &(impl SensorModel + ?Sized), reading: f64, bearing: f
 }
 
 impl Beyond {
+    /// What follows the last cell of a line traced along the unit vector `direction` over cells of
+    /// side `cell_m` (m), in a world where obstacles begin with probability `onset`.
+    pub fn after(line: &DigitalLine, direction: [f64; 2], cell_m: f64, onset: f64) -> Self {
+        let from_m = line.ranges().last().copied().unwrap_or(0.0);
+        // A 4-connected line crosses |cos| + |sin| cells per cell side.
+        Self { from_m, chord_m: cell_m / (direction[0].abs() + direction[1].abs()), onset }
+    }
+
     /// Probability that an obstacle begins within so many cells, `1 - (1 - u0)^cells`.
     fn hit(&self, cells: f64) -> f64 {
         if cells > 1.0 { -libm::expm1(cells * libm::log1p(-self.onset)) } else { self.onset }

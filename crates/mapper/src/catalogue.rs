@@ -5,7 +5,10 @@ use std::sync::Arc;
 use grid::GridSpec;
 use sensor::SensorModel;
 
-use crate::{Conventional, Mapper, Prior, Reconciliation, Visibility};
+use crate::{
+    ConstantIncrements, Conventional, ConventionalRule, LogOdds, Mapper, NoOcclusion, Prior, Reconciliation, Unseen,
+    Visibility,
+};
 
 /// What a mapper is made from.
 #[derive(Clone)]
@@ -69,7 +72,74 @@ pub const MAPPERS: &[Entry] = &[
         kind: Kind::Online,
         build: |setup| Box::new(Conventional::new(setup)),
     },
+    Entry {
+        name: "conventional-tuned",
+        summary: "the same with bin and clamps fitted on the tuning scenes",
+        source: "Eqs. (22)-(26), fitted",
+        kind: Kind::Online,
+        build: |setup| Box::new(Conventional::with(setup, ConventionalRule::TUNED)),
+    },
+    Entry {
+        name: "log-odds-octomap",
+        summary: "constant increments with the defaults of OctoMap",
+        source: "Hornung et al. 2013",
+        kind: Kind::Online,
+        build: |setup| Box::new(ConstantIncrements::new(setup, LogOdds::OCTOMAP)),
+    },
+    Entry {
+        name: "log-odds-cartographer",
+        summary: "constant increments with the defaults of Cartographer",
+        source: "Hess et al. 2016",
+        kind: Kind::Online,
+        build: |setup| Box::new(ConstantIncrements::new(setup, LogOdds::CARTOGRAPHER)),
+    },
+    Entry {
+        name: "independent",
+        summary: "occlusion without continuity: the exact inverse sensor model",
+        source: "Kaufman et al. 2016",
+        kind: Kind::Online,
+        build: |setup| Box::new(Visibility::independent(setup)),
+    },
+    Entry {
+        name: "no-occlusion",
+        summary: "continuity without occlusion: the conventional likelihoods on the paper's chain",
+        source: "ablation: Eqs. (18)-(20), (23)-(26)",
+        kind: Kind::Online,
+        build: |setup| Box::new(NoOcclusion::new(setup)),
+    },
+    Entry {
+        name: "visibility-touched",
+        summary: "visibility with edges on no ray left out of the least squares",
+        source: "ablation: Eq. (20)",
+        kind: Kind::Online,
+        build: |setup| Box::new(Visibility::exact(&with(setup, Reconciliation::Touched))),
+    },
+    Entry {
+        name: "visibility-all-edges",
+        summary: "visibility with edges on no ray in the least squares",
+        source: "ablation: Eq. (20)",
+        kind: Kind::Online,
+        build: |setup| Box::new(Visibility::exact(&with(setup, Reconciliation::AllEdges))),
+    },
+    Entry {
+        name: "prior",
+        summary: "lower bound: no reading at all",
+        source: "Section 3.2",
+        kind: Kind::Online,
+        build: |setup| Box::new(Unseen::new(setup)),
+    },
+    Entry {
+        name: "perfect",
+        summary: "upper bound: visibility fed noise-free readings",
+        source: "Eqs. (1)-(7), (18)-(20)",
+        kind: Kind::NoiseFree,
+        build: |setup| Box::new(Visibility::exact(setup)),
+    },
 ];
+
+fn with(setup: &Setup, reconciliation: Reconciliation) -> Setup {
+    Setup { reconciliation, ..setup.clone() }
+}
 
 /// The mapper of the given name.
 pub fn find(name: &str) -> Option<&'static Entry> {

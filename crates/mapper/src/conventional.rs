@@ -14,18 +14,24 @@ use crate::{EPSILON, Mapper, catalogue::Setup};
 /// become probabilities of the bin `o ± w`, so that (23) and (24) compare like with like.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ConventionalRule {
-    /// `w`: half the bin of a reading, in the reading's unit.
+    /// `w`: half the bin of a reading, in the reading's unit; above 0.
     pub half_width: f64,
+    /// Least and largest probability of a cell after an update, kept within [`EPSILON`] of 0 and 1.
+    pub clamp: [f64; 2],
 }
 
 impl Default for ConventionalRule {
-    /// A bin of 1 px.
+    /// As the paper has it: a bin of 1 px, and no clamps but those of every mapper.
     fn default() -> Self {
-        Self { half_width: 0.5 }
+        Self { half_width: 0.5, clamp: [EPSILON, 1.0 - EPSILON] }
     }
 }
 
 impl ConventionalRule {
+    /// Bin and clamps as the `tune` command fits them on the tuning scenes, which are not the scenes
+    /// that results are reported on: what the rule can do at its best.
+    pub const TUNED: Self = Self { half_width: 0.5, clamp: [0.02, 0.97] };
+
     /// Likelihoods of the reading if the cell in the chord `enter ..= exit` (m) is occupied and if
     /// it is free; none for a cell behind the reading.
     pub fn likelihoods(
@@ -49,6 +55,12 @@ impl ConventionalRule {
         }
     }
 
+    /// [`posterior`](Self::posterior) within the clamps of this rule.
+    pub fn update(&self, p: f64, likelihoods: [f64; 2]) -> f64 {
+        let [low, high] = self.clamp;
+        Self::posterior(p, likelihoods).clamp(low.max(EPSILON), high.min(1.0 - EPSILON))
+    }
+
     /// Eq. (22), kept off 0 and 1. Likelihoods that are both zero say nothing.
     pub fn posterior(p: f64, [occupied, free]: [f64; 2]) -> f64 {
         let (yes, no) = (occupied * p, free * (1.0 - p));
@@ -66,12 +78,17 @@ pub struct Conventional {
 }
 
 impl Conventional {
-    /// The unseen map.
+    /// The rule of the paper.
     pub fn new(setup: &Setup) -> Self {
+        Self::with(setup, ConventionalRule::default())
+    }
+
+    /// The rule with other parameters.
+    pub fn with(setup: &Setup, rule: ConventionalRule) -> Self {
         Self {
             occupancy: Raster::filled(setup.grid, setup.prior.marginal()),
             sensor: Arc::clone(&setup.sensor),
-            rule: ConventionalRule::default(),
+            rule,
             line: DigitalLine::default(),
         }
     }
@@ -86,7 +103,7 @@ impl Mapper for Conventional {
                 let (enter, exit) = (self.line.ranges()[k], self.line.ranges()[k + 1]);
                 let likelihoods = self.rule.likelihoods(&*self.sensor, reading, ray.bearing_rad, enter, exit);
                 let Some(likelihoods) = likelihoods else { break };
-                self.occupancy[cell] = ConventionalRule::posterior(self.occupancy[cell], likelihoods);
+                self.occupancy[cell] = self.rule.update(self.occupancy[cell], likelihoods);
             }
         }
     }
@@ -138,6 +155,29 @@ mod tests {
             mapper.integrate(&scan(10.0));
         }
         assert!(mapper.occupancy().values().iter().all(|p| (EPSILON..=1.0 - EPSILON).contains(p)));
+    }
+
+    #[test]
+    fn clamps_hold_cells_that_readings_move_and_no_others() {
+        let rule = ConventionalRule { clamp: [0.2, 0.6], ..ConventionalRule::default() };
+        let mut mapper = Conventional::with(&setup(60), rule);
+        for _ in 0..20 {
+            mapper.integrate(&scan(10.0));
+        }
+        let p = mapper.occupancy().values();
+        assert!((p[10] - 0.2).abs() < 1e-15 && (p[30] - 0.6).abs() < 1e-15);
+        assert!((p[40] - 0.1).abs() < 1e-15, "never updated: the prior, though below the clamp");
+    }
+
+    #[test]
+    fn a_wider_bin_counts_more_cells_as_seen() {
+        let [narrow, wide] = [0.5, 1.0].map(|half_width| {
+            let mut mapper = Conventional::with(&setup(60), ConventionalRule { half_width, ..Default::default() });
+            mapper.integrate(&scan(10.0));
+            mapper.occupancy().values().iter().filter(|p| **p > 0.1).count()
+        });
+        // 15 / 10.5 = 1.43 to 1.58 m, and 1.36 to 1.67 m; the outermost cells hold too little to rise.
+        assert!(narrow >= 3 && wide > narrow, "{narrow} {wide}");
     }
 
     #[test]

@@ -20,19 +20,25 @@ pub mod catalogue;
 mod chain;
 mod conventional;
 pub mod exact;
+mod log_odds;
 mod moments;
+pub mod no_occlusion;
 mod pairs;
 pub mod printed;
 mod prior;
 mod reconcile;
+mod unseen;
 mod visibility;
 
 pub use chain::{Chain, RayPosterior};
 pub use conventional::{Conventional, ConventionalRule};
+pub use log_odds::{ConstantIncrements, LogOdds};
 pub use moments::Moments;
+pub use no_occlusion::NoOcclusion;
 pub use pairs::{Broken, Joint, PairwiseGrid};
 pub use prior::{CorrelationLaw, Prior};
 pub use reconcile::Reconciliation;
+pub use unseen::Unseen;
 pub use visibility::{RayRule, Visibility};
 
 use grid::Raster;

@@ -25,15 +25,7 @@ impl PairwiseGrid {
     /// the marginals allow.
     pub fn reconcile(&mut self, moments: &mut Moments, rule: Reconciliation) {
         let silent = self.silent_edges(moments, rule);
-        for &cell in &moments.touched {
-            let mut mean = moments.cell[cell];
-            if rule == Reconciliation::AllEdges {
-                let silent = self.spec().neighbours(cell).filter(|n| moments.edge[n.edge].count == 0).count() as u32;
-                mean.sum += f64::from(silent) * (2.0 * self.marginal[cell] - 1.0);
-                mean.count += silent;
-            }
-            self.marginal[cell] = (0.5 * (1.0 + mean.value())).clamp(EPSILON, 1.0 - EPSILON);
-        }
+        self.set_marginals(moments, rule);
         for &cell in &moments.touched {
             for n in self.spec().neighbours(cell).filter(|n| n.cell > cell && moments.edge[n.edge].count > 0) {
                 self.set_product_moment(cell, n.cell, n.edge, moments.edge[n.edge].value());
@@ -48,6 +40,31 @@ impl PairwiseGrid {
             }
         }
         moments.clear();
+    }
+
+    /// The same for a map of independent cells: marginals are reconciled as in
+    /// [`reconcile`](Self::reconcile), and every joint becomes the product of its marginals.
+    pub fn reconcile_cells(&mut self, moments: &mut Moments, rule: Reconciliation) {
+        self.set_marginals(moments, rule);
+        for &cell in &moments.touched {
+            for n in self.spec().neighbours(cell) {
+                self.both[n.edge] = both_occupied(self.marginal[cell], self.marginal[n.cell], 0.0);
+            }
+        }
+        moments.clear();
+    }
+
+    /// The mean of each touched cell's moment.
+    fn set_marginals(&mut self, moments: &Moments, rule: Reconciliation) {
+        for &cell in &moments.touched {
+            let mut mean = moments.cell[cell];
+            if rule == Reconciliation::AllEdges {
+                let silent = self.spec().neighbours(cell).filter(|n| moments.edge[n.edge].count == 0).count() as u32;
+                mean.sum += f64::from(silent) * (2.0 * self.marginal[cell] - 1.0);
+                mean.count += silent;
+            }
+            self.marginal[cell] = (0.5 * (1.0 + mean.value())).clamp(EPSILON, 1.0 - EPSILON);
+        }
     }
 
     /// Edges on no ray that end at a cell on one, with what they keep of their state before the scan.

@@ -1,0 +1,46 @@
+//! The lower bound: a map that has seen nothing.
+
+use grid::Raster;
+use sensor::Scan;
+
+use crate::{Mapper, catalogue::Setup};
+
+/// Holds the prior whatever it is shown: what a map is worth before the first reading. O(1) per scan.
+pub struct Unseen {
+    occupancy: Raster<f64>,
+}
+
+impl Unseen {
+    /// The prior everywhere.
+    pub fn new(setup: &Setup) -> Self {
+        Self { occupancy: Raster::filled(setup.grid, setup.prior.marginal()) }
+    }
+}
+
+impl Mapper for Unseen {
+    fn integrate(&mut self, _scan: &Scan) {}
+
+    fn occupancy(&self) -> &Raster<f64> {
+        &self.occupancy
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Prior;
+    use grid::GridSpec;
+    use sensor::{Pose, Stereo};
+    use std::sync::Arc;
+
+    #[test]
+    fn readings_do_not_move_it() {
+        let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: 40, height: 1 };
+        let prior = Prior { occupancy: 0.3, ..Prior::default() };
+        let sensor = Arc::new(Stereo::default());
+        let mut mapper = Unseen::new(&Setup { grid, sensor, prior, reconciliation: Default::default() });
+        let pose = Pose { x_m: 0.0, y_m: 0.02, theta_rad: 0.0 };
+        mapper.integrate(&Scan { time_s: 0.0, pose, bearings_rad: vec![0.0], readings: vec![Some(10.0)] });
+        assert!(mapper.occupancy().values().iter().all(|p| (p - 0.3).abs() < 1e-15));
+    }
+}
