@@ -47,15 +47,20 @@ impl Chain {
         Joint::new(self.marginal[j], self.marginal[j + 1], self.both[j])
     }
 
-    /// `t_j = P(E_{j+1} | E_j)`: the obstacle goes on.
+    /// `t_j = P(E_{j+1} | E_j)`: the obstacle goes on. 0 where cell `j` is never occupied.
     pub fn stays_occupied(&self, j: usize) -> f64 {
-        (self.both[j] / self.marginal[j]).clamp(0.0, 1.0)
+        share(self.both[j], self.marginal[j])
     }
 
-    /// `u_j = P(E_{j+1} | not E_j)`: an obstacle begins.
+    /// `u_j = P(E_{j+1} | not E_j)`: an obstacle begins. 0 where cell `j` is never free.
     pub fn becomes_occupied(&self, j: usize) -> f64 {
-        ((self.marginal[j + 1] - self.both[j]) / (1.0 - self.marginal[j])).clamp(0.0, 1.0)
+        share(self.marginal[j + 1] - self.both[j], 1.0 - self.marginal[j])
     }
+}
+
+/// A part over its whole, 0 to 1. Of a state that never occurs the part does not matter, and must not become 0 / 0.
+fn share(part: f64, whole: f64) -> f64 {
+    if whole > 0.0 { (part / whole).clamp(0.0, 1.0) } else { 0.0 }
 }
 
 /// What a reading says about the cells of one ray. A buffer to fill again and again.

@@ -77,7 +77,7 @@ impl SceneError {
 #[allow(missing_docs)] // The fields are what the messages say.
 pub enum Problem {
     /// Not a text file.
-    #[error("{0}; a scene is a TOML text of at most 16 MiB in UTF-8")]
+    #[error("{0}; must be a TOML text of at most 16 MiB in UTF-8")]
     NotText(String),
     /// Not TOML.
     #[error("no valid TOML: {0}")]

@@ -1,6 +1,6 @@
 //! From a scene file to a [`Scene`]: the one door at which everything is checked.
 
-mod camera;
+pub(crate) mod camera;
 mod family;
 mod fit;
 mod map;
@@ -8,7 +8,7 @@ mod obstacles;
 mod polygon;
 mod regions;
 mod route;
-mod table;
+pub(crate) mod table;
 
 use std::fs::File;
 use std::io::Read as _;
@@ -54,8 +54,11 @@ const KEYS: [&str; 16] = [
     "robot",
 ];
 
-/// Reads a scene file as text.
-pub(crate) fn read(path: &Path) -> Result<String, SceneError> {
+/// Reads a file as text, at most 16 MiB of UTF-8.
+///
+/// # Errors
+/// A file that cannot be read, or that is no such text.
+pub fn read(path: &Path) -> Result<String, SceneError> {
     let file = path.display().to_string();
     let mut bytes = Vec::new();
     let opened = File::open(path).and_then(|f| f.take(MAX_BYTES + 1).read_to_end(&mut bytes));
@@ -76,7 +79,10 @@ pub(crate) fn read(path: &Path) -> Result<String, SceneError> {
 }
 
 /// Parses a file's text as TOML.
-fn open<'a>(text: &'a str, file: &'a str) -> Result<(Source<'a>, Spanned<DeTable<'a>>), SceneError> {
+///
+/// # Errors
+/// The first thing that is no TOML.
+pub fn open<'a>(text: &'a str, file: &'a str) -> Result<(Source<'a>, Spanned<DeTable<'a>>), SceneError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let source = Source::new(file, text);
     let document = DeTable::parse(text).map_err(|error| {

@@ -28,6 +28,13 @@ mod truth;
 mod world;
 
 pub use drive::{Drive, TimedPose, drive};
+/// Strict reading of TOML files, for files of other kinds than scenes.
+pub mod reader {
+    pub use crate::file::camera::stereo;
+    pub use crate::file::table::{Limit, Source, Table, Value, number};
+    pub use crate::file::{open, read};
+}
+
 pub use error::{ErrorKind, Place, Problem, SceneError};
 pub use family::{Family, Set, Variation, load};
 pub use scene::{Area, Obstacle, Origin, Region, Robot, Scene, StagePlan, Stop, Waypoint};

@@ -49,18 +49,40 @@ pub(super) fn camera(root: &Table) -> Result<Camera, SceneError> {
 /// Keys of `[sensor]` that say how mismatches cluster.
 const CLUSTERING: [&str; 4] = ["persistence", "copies", "near_misses", "copy_reach"];
 
+/// `[sensor]` of a camera that need not be simulated: the paper's where the file is silent.
+///
+/// # Errors
+/// An unknown key, or a value outside its range.
+pub fn stereo(root: &Table) -> Result<Stereo, SceneError> {
+    let mut stereo = Stereo::default();
+    let Some(table) = root.section("sensor")? else { return Ok(stereo) };
+    set(&table, optics(&mut stereo))?;
+    Ok(stereo)
+}
+
+/// The keys of what a mapper knows of the camera.
+fn optics(stereo: &mut Stereo) -> [(&'static str, &'static Limit, &mut f64); 4] {
+    let Stereo { focal_baseline, disparity_sigma, correct_match, max_disparity } = stereo;
+    [
+        ("focal_baseline", &FOCAL_BASELINE, focal_baseline),
+        ("disparity_sigma", &SIGMA, disparity_sigma),
+        ("correct_match", &PROBABILITY, correct_match),
+        ("max_disparity", &SEARCH, max_disparity),
+    ]
+}
+
 /// `[sensor]`: the paper's camera, an edge in 60 % of the columns, no quantisation.
 pub(super) fn matcher(root: &Table) -> Result<Matcher, SceneError> {
     let mut matcher = Matcher::default();
     let Some(table) = root.section("sensor")? else { return Ok(matcher) };
     let mut clustering = Clustering::default();
-    let Stereo { focal_baseline, disparity_sigma, correct_match, max_disparity } = &mut matcher.stereo;
     let mut reach = f64::from(clustering.copy_reach);
+    let [focal_baseline, sigma, correct_match, search] = optics(&mut matcher.stereo);
     let fields = [
-        ("focal_baseline", &FOCAL_BASELINE, focal_baseline),
-        ("disparity_sigma", &SIGMA, disparity_sigma),
-        ("correct_match", &PROBABILITY, correct_match),
-        ("max_disparity", &SEARCH, max_disparity),
+        focal_baseline,
+        sigma,
+        correct_match,
+        search,
         ("detection_rate", &PROBABILITY, &mut matcher.detection_rate),
         ("quantisation", &STEP, &mut matcher.quantisation),
         ("persistence", &PROBABILITY, &mut clustering.persistence),

@@ -8,23 +8,26 @@ use crate::{Place, Problem, SceneError};
 pub(super) const METRES: f64 = 1e6;
 
 /// A range that a number must lie in.
-pub(super) struct Limit {
-    pub(super) min: f64,
-    pub(super) max: f64,
+pub struct Limit {
+    /// Least value.
+    pub min: f64,
+    /// Greatest value.
+    pub max: f64,
     /// What the value must be, with its unit and range.
-    pub(super) bound: &'static str,
+    pub bound: &'static str,
     /// What to do.
-    pub(super) remedy: &'static str,
+    pub remedy: &'static str,
 }
 
 impl Limit {
-    pub(super) fn allows(&self, value: f64) -> bool {
+    /// Whether a value lies in the range; what is no number does not.
+    pub fn allows(&self, value: f64) -> bool {
         self.min <= value && value <= self.max
     }
 }
 
-/// A scene file's text, to turn offsets into places.
-pub(super) struct Source<'a> {
+/// A file's text, to turn offsets into places.
+pub struct Source<'a> {
     file: &'a str,
     text: &'a str,
     /// Offset at which each line begins: a scene of a hundred thousand boxes asks for as many lines.
@@ -60,10 +63,11 @@ impl<'a> Source<'a> {
     }
 }
 
-pub(super) type Value<'a> = toml::Spanned<DeValue<'a>>;
+/// A value with its place in the text.
+pub type Value<'a> = toml::Spanned<DeValue<'a>>;
 
 /// One table of the file.
-pub(super) struct Table<'a> {
+pub struct Table<'a> {
     source: &'a Source<'a>,
     element: String,
     offset: usize,
@@ -71,7 +75,8 @@ pub(super) struct Table<'a> {
 }
 
 impl<'a> Table<'a> {
-    pub(super) fn new(source: &'a Source<'a>, element: &str, offset: usize, entries: &'a DeTable<'a>) -> Self {
+    /// A table of the file; `element` is what messages call it.
+    pub fn new(source: &'a Source<'a>, element: &str, offset: usize, entries: &'a DeTable<'a>) -> Self {
         Self { source, element: element.to_owned(), offset, entries }
     }
 
@@ -88,7 +93,10 @@ impl<'a> Table<'a> {
     }
 
     /// Refuses keys that nothing reads.
-    pub(super) fn only(&self, known: &[&str]) -> Result<(), SceneError> {
+    ///
+    /// # Errors
+    /// The first such key, with those known and the nearest.
+    pub fn only(&self, known: &[&str]) -> Result<(), SceneError> {
         let unknown = self.entries.iter().find(|(key, _)| !known.contains(&key.get_ref().as_ref()));
         let Some((key, _)) = unknown else { return Ok(()) };
         let problem = Problem::UnknownKey {
@@ -110,7 +118,8 @@ impl<'a> Table<'a> {
         self.entries.iter().map(|(key, value)| (key.get_ref().to_string(), text(value))).collect()
     }
 
-    pub(super) fn get(&self, key: &str) -> Option<&'a Value<'a>> {
+    /// The value of a key, if it is there.
+    pub fn get(&self, key: &str) -> Option<&'a Value<'a>> {
         self.entries.get(key)
     }
 
@@ -124,12 +133,13 @@ impl<'a> Table<'a> {
         self.source.error(self.offset, problem)
     }
 
-    pub(super) fn missing(&self, key: &str, example: &str) -> SceneError {
+    /// A key that must be there and is not.
+    pub fn missing(&self, key: &str, example: &str) -> SceneError {
         self.error(Problem::MissingKey { element: self.element(), key: key.to_owned(), example: example.to_owned() })
     }
 
     /// A refusal of a key's value, or of one part of it.
-    pub(super) fn refuse(&self, key: &str, value: &Value, bound: &str, remedy: &str) -> SceneError {
+    pub fn refuse(&self, key: &str, value: &Value, bound: &str, remedy: &str) -> SceneError {
         let problem = Problem::Value {
             element: self.element(),
             key: key.to_owned(),
@@ -141,7 +151,10 @@ impl<'a> Table<'a> {
     }
 
     /// A sub-table such as `[camera]`.
-    pub(super) fn section(&self, key: &str) -> Result<Option<Self>, SceneError> {
+    ///
+    /// # Errors
+    /// Something else under this key.
+    pub fn section(&self, key: &str) -> Result<Option<Self>, SceneError> {
         let Some(value) = self.get(key) else { return Ok(None) };
         let element = format!("[{key}]");
         match value.get_ref() {
@@ -164,13 +177,21 @@ impl<'a> Table<'a> {
         numbered.collect()
     }
 
-    pub(super) fn optional_number(&self, key: &str, limit: &Limit) -> Result<Option<f64>, SceneError> {
+    /// A number within its limit, if the key is there.
+    ///
+    /// # Errors
+    /// Another type, or a value outside the limit.
+    pub fn optional_number(&self, key: &str, limit: &Limit) -> Result<Option<f64>, SceneError> {
         let Some(value) = self.get(key) else { return Ok(None) };
         let number = number(value).filter(|&v| limit.allows(v));
         number.map(Some).ok_or_else(|| self.refuse(key, value, limit.bound, limit.remedy))
     }
 
-    pub(super) fn number(&self, key: &str, limit: &Limit) -> Result<f64, SceneError> {
+    /// A number within its limit.
+    ///
+    /// # Errors
+    /// No such key; another type, or a value outside the limit.
+    pub fn number(&self, key: &str, limit: &Limit) -> Result<f64, SceneError> {
         let missing = || self.missing(key, &format!("`{key} = ...`, {}", limit.bound));
         self.optional_number(key, limit)?.ok_or_else(missing)
     }
@@ -252,7 +273,7 @@ pub(super) const POINT: Limit = Limit {
 };
 
 /// A TOML number; `None` for other types and for what no double holds.
-fn number(value: &Value) -> Option<f64> {
+pub fn number(value: &Value) -> Option<f64> {
     match value.get_ref() {
         DeValue::Float(float) => float.as_str().parse().ok(),
         DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|v| v as f64),

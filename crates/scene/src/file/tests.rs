@@ -115,11 +115,11 @@ fn what_is_no_scene_file_at_all() {
     assert_eq!(load(b""), ":1:1: the scene: `name` is missing; add `name = \"...\"`");
     assert_eq!(
         load(b"name = \"a\"\nx = \"\xff\"\n"),
-        ":2:6: byte 0xff is no UTF-8; a scene is a TOML text of at most 16 MiB in UTF-8"
+        ":2:6: byte 0xff is no UTF-8; must be a TOML text of at most 16 MiB in UTF-8"
     );
     assert_eq!(
         load(b"\x89PNG\r\n\x1a\n\0\0"),
-        ":1:1: byte 0x89 is no UTF-8; a scene is a TOML text of at most 16 MiB in UTF-8"
+        ":1:1: byte 0x89 is no UTF-8; must be a TOML text of at most 16 MiB in UTF-8"
     );
     assert!(load(b"\0\0\0\0").starts_with(":1:5: no valid TOML: "));
     assert!(load(&vec![b'#'; MAX_BYTES as usize + 1]).starts_with(":1:1: more than 16 MiB; "));
