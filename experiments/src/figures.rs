@@ -3,9 +3,15 @@
 //! Every function returns the bytes of a PNG. Maps are drawn cell by cell on whole pixels, with a
 //! bundled font, so that a picture is the same on every machine.
 
+pub mod certainty;
+pub mod chart;
+pub mod disparity;
 mod ink;
+pub mod kernel;
 pub mod maps;
+mod mark;
 mod panel;
+pub mod ray;
 pub mod regions;
 pub mod scene;
 pub mod timeline;

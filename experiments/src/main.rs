@@ -3,12 +3,14 @@
 use std::process::ExitCode;
 
 use clap::Parser as _;
-use experiments::{check, cli, compare, list, room};
+use experiments::{check, cli, compare, list, ray, room, sensor_model};
 
 fn main() -> ExitCode {
     let outcome = match cli::Cli::parse().command {
         cli::Command::Room(options) => room::run(&options),
         cli::Command::Compare(options) => compare::run(&options),
+        cli::Command::Ray(options) => ray::run(&options),
+        cli::Command::Sensor(options) => sensor_model::run(&options),
         cli::Command::Check(options) => check::run(&options),
         cli::Command::List(options) => list::run(&options),
     };
