@@ -1,7 +1,6 @@
 //! `check SCENE`: is the scene valid, and what does it hold?
 
 use mapper::Prior;
-use scene::Scene;
 use score::{Sight, Sightings};
 use serde_json::{Value, json};
 
@@ -15,7 +14,7 @@ use crate::trial::Ground;
 /// # Errors
 /// The first problem with the scene or its route.
 pub fn run(options: &CheckOptions) -> Result<(), Failure> {
-    let ground = Ground::new(Scene::load(&options.scene, options.grid)?, Prior::default().occupancy)?;
+    let ground = Ground::new(scene::load(&options.scene, options.grid, options.layout)?, Prior::default().occupancy)?;
     let mut table = Table::new(&["item", "value", "unit"]);
     for (item, value, unit) in facts(&ground) {
         table.push(vec![json!(item), value, json!(unit)]);
@@ -31,8 +30,9 @@ pub fn run(options: &CheckOptions) -> Result<(), Failure> {
             };
             let rows: Vec<Vec<String>> = table.rows().iter().map(|row| row.iter().map(text).collect()).collect();
             table::print(&format!(
-                "{}: valid\n\n{}",
+                "{}{}: valid\n\n{}",
                 options.scene.display(),
+                ground.scene.layout.map(|layout| format!(", layout {layout}")).unwrap_or_default(),
                 aligned(&["item", "value", "unit"], &rows)
             ))
         }

@@ -35,7 +35,10 @@ pub enum Command {
     Sensor(SensorOptions),
     /// Check a scene file and say what it holds, without mapping anything
     Check(CheckOptions),
-    /// List experiments, mappers and the scenes at hand
+    /// Generate a scene file from a family of scenes
+    #[command(subcommand)]
+    Scene(SceneCommand),
+    /// List experiments, mappers, scenes and families of scenes at hand
     List(ListOptions),
 }
 
@@ -54,9 +57,12 @@ pub enum Format {
 /// Options of `room`.
 #[derive(Debug, Args)]
 pub struct RoomOptions {
-    /// Scene file
+    /// Scene file, or file of a family of scenes
     #[arg(long, value_name = "FILE", default_value = "scenes/room.toml")]
     pub scene: PathBuf,
+    /// Which scene of the family [default: 1]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub layout: Option<u64>,
     /// Seed of the first run
     #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true)]
     pub seed: u64,
@@ -198,15 +204,42 @@ pub struct SensorOptions {
 /// Options of `check`.
 #[derive(Debug, Args)]
 pub struct CheckOptions {
-    /// Scene file
+    /// Scene file, or file of a family of scenes
     #[arg(value_name = "SCENE")]
     pub scene: PathBuf,
+    /// Which scene of the family [default: 1]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub layout: Option<u64>,
     /// Side of a cell in metres, instead of the scene's
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive)]
     pub grid: Option<f64>,
     /// Form of the table on stdout
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
+}
+
+/// What `scene` does.
+#[derive(Debug, Subcommand)]
+pub enum SceneCommand {
+    /// Print the scene file of a layout
+    Generate(GenerateOptions),
+}
+
+/// Options of `scene generate`.
+#[derive(Debug, Args)]
+pub struct GenerateOptions {
+    /// File of a family of scenes
+    #[arg(value_name = "FAMILY")]
+    pub family: PathBuf,
+    /// Which scene of the family
+    #[arg(long, value_name = "N", default_value_t = scene::Set::FIRST_TEST, allow_negative_numbers = true)]
+    pub layout: u64,
+    /// Factor on the size of the obstacles; they cover as much of the floor
+    #[arg(long, value_name = "F", default_value_t = 1.0, allow_negative_numbers = true, value_parser = size_factor)]
+    pub size_factor: f64,
+    /// File to write instead of stdout
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
 }
 
 /// Options of `list`.
@@ -229,6 +262,10 @@ pub(crate) fn count(most: u32) -> clap::builder::RangedI64ValueParser<u32> {
 
 pub(crate) fn probability(text: &str) -> Result<f64, String> {
     number(text, "from 0 to 1", |v| (0.0..=1.0).contains(&v))
+}
+
+fn size_factor(text: &str) -> Result<f64, String> {
+    number(text, "from 0.1 to 10", |v| (0.1..=10.0).contains(&v))
 }
 
 pub(crate) fn positive(text: &str) -> Result<f64, String> {

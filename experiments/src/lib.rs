@@ -10,6 +10,7 @@ pub mod cli;
 pub mod compare;
 pub mod failure;
 pub mod figures;
+pub mod generate;
 pub mod interruption;
 pub mod list;
 pub mod mappers;

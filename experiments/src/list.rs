@@ -13,7 +13,7 @@ use crate::table::{self, Table};
 /// Folder in which scenes are looked for.
 const SCENES: &str = "scenes";
 
-/// Prints experiments, mappers and scenes.
+/// Prints experiments, mappers, scenes and families.
 ///
 /// # Errors
 /// A stdout that cannot be written.
@@ -26,8 +26,8 @@ pub fn run(options: &ListOptions) -> Result<(), Failure> {
     for entry in MAPPERS {
         table.push(vec![json!("mapper"), json!(entry.name), json!(entry.summary), json!(entry.source)]);
     }
-    for (path, description) in scenes(Path::new(SCENES)) {
-        table.push(vec![json!("scene"), json!(path), json!(description), Value::Null]);
+    for (kind, path, description) in scenes(Path::new(SCENES)) {
+        table.push(vec![json!(kind), json!(path), json!(description), Value::Null]);
     }
     match options.format {
         Format::Csv => table.print(false),
@@ -42,7 +42,8 @@ fn text(table: &Table) -> String {
     for row in table.rows() {
         let [now, name, summary] = [&row[0], &row[1], &row[2]].map(|value| value.as_str().unwrap_or_default());
         if now != kind {
-            text += &format!("{}{now}s\n", if kind.is_empty() { "" } else { "\n" });
+            let heading = if now == "family" { "families, one scene per layout".to_owned() } else { format!("{now}s") };
+            text += &format!("{}{heading}\n", if kind.is_empty() { "" } else { "\n" });
             kind = now;
         }
         text += &format!("  {name:20} {summary}\n");
@@ -50,14 +51,18 @@ fn text(table: &Table) -> String {
     text
 }
 
-/// Scene files in `folder` with their descriptions, sorted; a file that is no scene says so.
-fn scenes(folder: &Path) -> Vec<(String, String)> {
+/// Files in `folder` with their kind and description: scenes first, then families, each sorted; a file that is
+/// neither says so.
+fn scenes(folder: &Path) -> Vec<(&'static str, String, String)> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     let mut paths: Vec<_> = entries.filter(|path| path.extension().is_some_and(|e| e == "toml")).collect();
     paths.sort();
-    let describe = |path: &Path| match scene::Scene::load(path, None) {
-        Ok(scene) => scene.description,
-        Err(error) => format!("not a valid scene: {error}"),
+    let describe = |path: &Path| match (scene::Family::load(path), scene::load(path, None, None)) {
+        (Ok(family), _) => ("family", family.description),
+        (_, Ok(scene)) => ("scene", scene.description),
+        (_, Err(error)) => ("scene", format!("not a valid scene: {error}")),
     };
-    paths.iter().map(|path| (path.display().to_string(), describe(path))).collect()
+    let mut found: Vec<_> = paths.iter().map(|path| (describe(path), path.display().to_string())).collect();
+    found.sort_by_key(|((kind, _), _)| *kind == "family");
+    found.into_iter().map(|((kind, description), path)| (kind, path, description)).collect()
 }

@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::Parser as _;
-use experiments::{check, cli, compare, list, ray, room, sensor_model};
+use experiments::{check, cli, compare, generate, list, ray, room, sensor_model};
 
 fn main() -> ExitCode {
     let outcome = match cli::Cli::parse().command {
@@ -12,6 +12,7 @@ fn main() -> ExitCode {
         cli::Command::Ray(options) => ray::run(&options),
         cli::Command::Sensor(options) => sensor_model::run(&options),
         cli::Command::Check(options) => check::run(&options),
+        cli::Command::Scene(cli::SceneCommand::Generate(options)) => generate::run(&options),
         cli::Command::List(options) => list::run(&options),
     };
     match outcome {

@@ -40,6 +40,9 @@ pub struct Record {
 pub struct Configuration {
     /// Scene file.
     pub scene: String,
+    /// Which scene of it, where it is a family of scenes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub layout: Option<u64>,
     /// Number of consecutive seeds.
     pub seeds: u32,
     /// Mappers in order.

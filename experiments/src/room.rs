@@ -9,7 +9,6 @@ use std::time::Instant;
 
 use mapper::catalogue::{Entry, Setup};
 use rayon::prelude::*;
-use scene::Scene;
 
 use crate::claims::{self, Claim};
 use crate::cli::{Format, RoomOptions};
@@ -30,7 +29,7 @@ pub fn run(options: &RoomOptions) -> Result<(), Failure> {
     let start = Instant::now();
     interruption::watch();
     let mappers = entries(&options.mappers)?;
-    let scene = Scene::load(&options.scene, options.grid)?;
+    let scene = scene::load(&options.scene, options.grid, options.layout)?;
     let seeds = seeds(options)?;
     let out = options.out.clone().unwrap_or_else(|| Path::new("results").join(&scene.name));
     let ground = Ground::new(scene, options.belief.prior)?;
@@ -127,6 +126,7 @@ fn record(options: &RoomOptions, ground: &Ground, mappers: &[&Entry], stages: &[
         seed: options.seed,
         configuration: Configuration {
             scene: options.scene.display().to_string(),
+            layout: ground.scene.layout,
             seeds: options.seeds,
             mappers: mappers.iter().map(|entry| entry.name).collect(),
             prior: options.belief.prior(),

@@ -54,6 +54,25 @@ turn_rate_deg = 60.0
 scan_interval = 0.5
 "#;
 
+/// A family of small, almost empty rooms.
+const FAMILY: &str = r#"
+name = "attic"
+description = "Rooms of 3 m with a box or two"
+[generate]
+kind = "clutter"
+width = [3.0, 3.0]
+height = [3.0, 3.2]
+obstacle_size = 0.3
+covered = 0.02
+[grid]
+cell = 0.1
+[camera]
+columns = 16
+[robot]
+radius = 0.15
+scan_interval = 0.8
+"#;
+
 struct Place {
     folder: TempDir,
 }
@@ -256,6 +275,7 @@ fn list_names_experiments_mappers_and_scenes() {
     fs::create_dir(place.path().join("scenes")).expect("writable");
     fs::rename(place.path().join("closet.toml"), place.path().join("scenes/closet.toml")).expect("writable");
     fs::write(place.path().join("scenes/broken.toml"), "name = 1").expect("writable");
+    fs::write(place.path().join("scenes/attics.toml"), FAMILY).expect("writable");
     let (out, _) = place.expect(0, &["list"]);
     insta::assert_snapshot!(out);
 }
@@ -263,8 +283,57 @@ fn list_names_experiments_mappers_and_scenes() {
 #[test]
 fn the_shipped_scenes_are_valid() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    for scene in ["scenes/room.toml", "scenes/uma.toml"] {
+    for scene in ["room", "uma", "clutter", "corridors", "halls", "two-rooms"].map(|name| format!("scenes/{name}.toml"))
+    {
         let mut command = Command::cargo_bin("experiments").expect("built");
-        command.current_dir(&root).args(["check", scene]).assert().success();
+        command.current_dir(&root).args(["check", &scene]).assert().success();
     }
+}
+
+#[test]
+fn a_family_takes_a_layout_and_a_scene_does_not() {
+    let place = Place::new();
+    fs::write(place.path().join("attics.toml"), FAMILY).expect("writable");
+    let (first, _) = place.expect(0, &["check", "attics.toml"]);
+    assert!(first.starts_with("attics.toml, layout 1: valid"), "{first}");
+    assert_eq!(first, place.expect(0, &["check", "attics.toml", "--layout", "1"]).0);
+    assert_ne!(first.replace("layout 1", "layout 2"), place.expect(0, &["check", "attics.toml", "--layout", "2"]).0);
+
+    let run = ["room", "--scene", "attics.toml", "--layout", "2", "--mappers", "conventional"];
+    place.expect(0, &run);
+    let record = fs::read(place.path().join("results/attic-2/run.json")).expect("written");
+    let record: serde_json::Value = serde_json::from_slice(&record).expect("JSON");
+    assert_eq!(
+        (&record["configuration"]["scene"], &record["configuration"]["layout"]),
+        (&"attics.toml".into(), &2.into())
+    );
+
+    for args in [&["check", "closet.toml", "--layout", "2"][..], &["room", "--scene", "closet.toml", "--layout", "2"]] {
+        let (_, err) = place.expect(2, args);
+        assert!(err.contains("layout 2 was asked for: must be a family of scenes to have layouts"), "{err}");
+    }
+    let (_, err) = place.expect(2, &["check", "attics.toml", "--layout", "-1"]);
+    assert!(err.contains("--layout"), "{err}");
+    assert!(!place.path().join("results/closet").exists());
+}
+
+#[test]
+fn a_generated_scene_file_is_the_layout() {
+    let place = Place::new();
+    fs::write(place.path().join("attics.toml"), FAMILY).expect("writable");
+    let generate = ["scene", "generate", "attics.toml", "--layout", "3"];
+    let (text, _) = place.expect(0, &generate);
+    assert_eq!(place.expect(0, &[&generate[..], &["--out", "three.toml"]].concat()).0, "");
+    assert_eq!(fs::read_to_string(place.path().join("three.toml")).expect("written"), text);
+    let [from_file, from_family] =
+        [&["check", "three.toml"][..], &["check", "attics.toml", "--layout", "3"]].map(|args| place.expect(0, args).0);
+    assert_eq!(from_file.lines().skip(1).collect::<Vec<_>>(), from_family.lines().skip(1).collect::<Vec<_>>());
+
+    let (larger, _) = place.expect(0, &[&generate[..], &["--size-factor", "2"]].concat());
+    assert!(larger != text && larger.contains("obstacle size times 2"), "{larger}");
+    let (_, err) = place.expect(2, &[&generate[..], &["--size-factor", "100"]].concat());
+    assert!(err.contains("must be a number from 0.1 to 10"), "{err}");
+    let (_, err) = place.expect(2, &["scene", "generate", "closet.toml"]);
+    assert!(err.contains("closet.toml:3:2: the family: unknown key `bounds`"), "{err}");
+    place.expect(1, &[&generate[..], &["--out", "no/such/folder.toml"]].concat());
 }

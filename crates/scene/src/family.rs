@@ -109,7 +109,8 @@ impl Family {
     /// As [`generate`](Self::generate), and what [`Scene::parse`] refuses.
     pub fn scene(&self, seed: u64, cell_m: Option<f64>, variation: &Variation) -> Result<Scene, SceneError> {
         let path = PathBuf::from(format!("{} (layout {seed})", self.path.display()));
-        Scene::parse(&self.generate(seed, variation)?, &path, cell_m)
+        let scene = Scene::parse(&self.generate(seed, variation)?, &path, cell_m)?;
+        Ok(Scene { layout: Some(seed), ..scene })
     }
 
     fn layout(&self, seed: u64, variation: &Variation) -> Result<Layout, SceneError> {

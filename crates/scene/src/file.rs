@@ -125,6 +125,7 @@ pub(crate) fn parse(text: &str, path: &Path, cell_m: Option<f64>) -> Result<Scen
     Ok(Scene {
         name,
         description,
+        layout: None,
         bounds_m,
         grid,
         obstacles,

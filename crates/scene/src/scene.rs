@@ -17,6 +17,8 @@ pub struct Scene {
     pub name: String,
     /// One line about it, possibly empty.
     pub description: String,
+    /// Its number in its family, if it comes from one.
+    pub layout: Option<u64>,
     /// Lower-left and upper-right corner, m.
     pub bounds_m: [[f64; 2]; 2],
     /// The cells that cover the bounds.
