@@ -19,6 +19,7 @@ pub mod beyond;
 pub mod catalogue;
 mod chain;
 mod conventional;
+pub mod estimate;
 pub mod exact;
 mod log_odds;
 mod moments;
@@ -32,6 +33,7 @@ mod visibility;
 
 pub use chain::{Chain, RayPosterior};
 pub use conventional::{Conventional, ConventionalRule};
+pub use estimate::Estimate;
 pub use log_odds::{ConstantIncrements, LogOdds};
 pub use moments::Moments;
 pub use no_occlusion::NoOcclusion;
