@@ -33,6 +33,8 @@ pub enum Command {
     Ray(RayOptions),
     /// What a camera's reading says of range: its density and its kernel (Section 3.1, Figures 6 and 7)
     Sensor(SensorOptions),
+    /// Make the page of a folder of results anew, from what the folder says it was made from
+    Report(ReportOptions),
     /// Check a scene file and say what it holds, without mapping anything
     Check(CheckOptions),
     /// Generate a scene file from a family of scenes
@@ -92,6 +94,17 @@ pub struct RoomOptions {
     /// Threads to use, all processors if not given; results do not depend on it
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = count(MOST_THREADS))]
     pub threads: Option<u32>,
+}
+
+/// Options of `report`.
+#[derive(Debug, Args)]
+pub struct ReportOptions {
+    /// Folder that `room` left
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Page to write [default: report.html in the folder]
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
 }
 
 /// What the mappers believe before the first reading.

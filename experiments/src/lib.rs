@@ -16,6 +16,7 @@ pub mod list;
 pub mod mappers;
 pub mod progress;
 pub mod ray;
+pub mod rebuild;
 pub mod record;
 pub mod report;
 pub mod room;

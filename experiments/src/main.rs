@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::Parser as _;
-use experiments::{check, cli, compare, generate, list, ray, room, sensor_model};
+use experiments::{check, cli, compare, generate, list, ray, rebuild, room, sensor_model};
 
 fn main() -> ExitCode {
     let outcome = match cli::Cli::parse().command {
@@ -11,6 +11,7 @@ fn main() -> ExitCode {
         cli::Command::Compare(options) => compare::run(&options),
         cli::Command::Ray(options) => ray::run(&options),
         cli::Command::Sensor(options) => sensor_model::run(&options),
+        cli::Command::Report(options) => rebuild::run(&options),
         cli::Command::Check(options) => check::run(&options),
         cli::Command::Scene(cli::SceneCommand::Generate(options)) => generate::run(&options),
         cli::Command::List(options) => list::run(&options),

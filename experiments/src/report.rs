@@ -1,135 +1,81 @@
 //! The report: one HTML page that needs nothing else.
+//!
+//! A [`Page`] is a plain value: claims, a [`Viewer`] of the maps, and sections of tables and pictures.
+//! Every command that leaves a report fills one in and hands it to [`page`].
+
+mod encoding;
+mod part;
+mod viewer;
 
 use askama::Template;
 use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
 
+pub use part::{Cell, Part, Picture, Section, Sheet, Tone};
+pub use viewer::{FRAMES, Mapped, Moment, Viewer, World, moments};
+
 use crate::claims::Claim;
 use crate::failure::Failure;
-use crate::record::{Record, Stage};
-use crate::summary;
-use crate::trial::{Ground, Trial};
 
-/// A picture of the report.
-pub struct Picture {
-    /// Its file name.
-    pub name: &'static str,
-    /// What it shows.
-    pub caption: String,
-    /// The PNG.
-    pub bytes: Vec<u8>,
+/// Most that the maps of a [`Viewer`] may add to a page, bytes: a page is to stay below 10 MB, and
+/// pictures and tables need room too. What would be larger shows fewer moments, and says so.
+pub const VIEWER_BYTES: usize = 7_000_000;
+
+/// Everything a page shows, from top to bottom.
+#[derive(Debug, Default)]
+pub struct Page {
+    /// What the page is about: its heading, and its title in the browser.
+    pub title: String,
+    /// A sentence or two.
+    pub lead: String,
+    /// Seeds, scans, cells: a line that steps back.
+    pub facts: String,
+    /// What was claimed and found; empty if nothing was.
+    pub claims: Vec<Claim>,
+    /// Maps to look into.
+    pub viewer: Option<Viewer>,
+    /// Pictures and tables.
+    pub sections: Vec<Section>,
+    /// What the numbers were made from, as text.
+    pub configuration: String,
+    /// Names of the files beside the page.
+    pub files: Vec<String>,
 }
 
 #[derive(Template)]
 #[template(path = "report.html")]
-struct Page<'a> {
-    scene: &'a str,
-    description: &'a str,
-    seeds: String,
-    drive: String,
-    claims: &'a [Claim],
-    pictures: Vec<Embedded<'a>>,
-    stages: Vec<StageTables<'a>>,
-    files: &'a [String],
-    configuration: String,
+struct Filled<'a> {
+    page: &'a Page,
+    style: &'static str,
+    script: &'static str,
+    viewer: Option<String>,
+    left_out: bool,
 }
 
-struct Embedded<'a> {
-    name: &'a str,
-    caption: &'a str,
-    base64: String,
+impl Filled<'_> {
+    fn base64(&self, bytes: &[u8]) -> String {
+        BASE64_STANDARD.encode(bytes)
+    }
 }
 
-struct StageTables<'a> {
-    stage: &'a Stage,
-    regions: Vec<RegionTable>,
-}
-
-struct RegionTable {
-    region: String,
-    support: String,
-    heads: Vec<String>,
-    rows: Vec<Vec<String>>,
-}
-
-/// Renders the page.
+/// Renders the page. The same page gives the same bytes.
 ///
 /// # Errors
 /// A template that cannot be filled.
-pub fn render(
-    ground: &Ground,
-    trials: &[Trial],
-    stages: &[Stage],
-    record: &Record,
-    pictures: &[Picture],
-) -> Result<String, Failure> {
-    let scene = &ground.scene;
-    let page = Page {
-        scene: &scene.name,
-        description: &scene.description,
-        seeds: match trials.len() {
-            1 => format!("seed {}", record.seed),
-            n => format!(
-                "{n} seeds from {}; tables give mean ± standard deviation, pictures the first seed",
-                record.seed
-            ),
-        },
-        drive: format!(
-            "{} scans of {} columns, {} × {} cells of {} m",
-            ground.scans(),
-            scene.camera.columns,
-            scene.grid.width,
-            scene.grid.height,
-            scene.grid.cell_m
+pub fn page(page: &Page) -> Result<String, Failure> {
+    let viewer = page.viewer.as_ref().and_then(|viewer| encoding::json(viewer, VIEWER_BYTES));
+    let filled = Filled {
+        left_out: page.viewer.is_some() && viewer.is_none(),
+        page,
+        style: include_str!("../templates/report.css"),
+        script: concat!(
+            include_str!("../templates/viewer/decode.js"),
+            include_str!("../templates/viewer/metrics.js"),
+            include_str!("../templates/viewer/colours.js"),
+            include_str!("../templates/viewer/paint.js"),
+            include_str!("../templates/viewer/viewer.js"),
         ),
-        claims: &record.claims,
-        pictures: pictures
-            .iter()
-            .map(|p| Embedded { name: p.name, caption: &p.caption, base64: BASE64_STANDARD.encode(&p.bytes) })
-            .collect(),
-        stages: stages.iter().enumerate().rev().map(|(i, stage)| tables(trials, i, stage)).collect(),
-        files: &record.files,
-        configuration: serde_json::to_string_pretty(&record.configuration).map_err(Failure::internal)?,
+        viewer,
     };
-    page.render().map_err(Failure::internal)
-}
-
-/// One table per region at a stage: a row per mapper, a column per metric.
-fn tables<'a>(trials: &[Trial], stage_index: usize, stage: &'a Stage) -> StageTables<'a> {
-    let Some(map) = trials.first().and_then(|t| t.runs.first()).and_then(|run| run.stages.get(stage_index)) else {
-        return StageTables { stage, regions: Vec::new() };
-    };
-    let mut regions: Vec<String> = Vec::new();
-    for score in &map.scores {
-        if !regions.contains(&score.region) {
-            regions.push(score.region.clone());
-        }
-    }
-    let table = |region: String| {
-        let scores: Vec<_> = map.scores.iter().filter(|score| score.region == region).collect();
-        let heads = scores.iter().map(|score| match score.metric.unit {
-            "1" => score.metric.name.replace('_', " "),
-            unit => format!("{}, {unit}", score.metric.name.replace('_', " ")),
-        });
-        let row = |mapper: &str| {
-            let values = scores.iter().map(|score| {
-                let over_seeds = summary::over_seeds(trials, mapper, stage_index, &region, score.metric.name);
-                summary::spread(over_seeds, 4)
-            });
-            [mapper.to_owned()].into_iter().chain(values).collect()
-        };
-        RegionTable {
-            support: scores.first().map_or_else(String::new, |score| format!("{} cells", score.metric.support)),
-            heads: heads.collect(),
-            rows: trials[0].runs.iter().map(|run| row(run.mapper)).collect(),
-            region,
-        }
-    };
-    let order = |region: &String| match region.as_str() {
-        "observable" => 0,
-        "visible" | "surface" | "shell" | "hidden" | "all" => 2,
-        _ => 1,
-    };
-    regions.sort_by_key(order);
-    StageTables { stage, regions: regions.into_iter().map(table).collect() }
+    filled.render().map_err(Failure::internal)
 }

@@ -1,6 +1,7 @@
 //! The paper's room experiment: simulate, map, score, show.
 
 mod outputs;
+pub(crate) mod page;
 
 use std::io::Write as _;
 use std::path::Path;
@@ -19,7 +20,7 @@ use crate::progress::Progress;
 use crate::record::{Configuration, Record, Robot, Stage, versions};
 use crate::staging::Staging;
 use crate::trial::{Ground, Keep, Trial};
-use crate::{summary, table, threads};
+use crate::{report, summary, table, threads};
 
 /// Runs the experiment.
 ///
@@ -28,28 +29,19 @@ use crate::{summary, table, threads};
 pub fn run(options: &RoomOptions) -> Result<(), Failure> {
     let start = Instant::now();
     interruption::watch();
-    let mappers = entries(&options.mappers)?;
-    let scene = scene::load(&options.scene, options.grid, options.layout)?;
     let seeds = seeds(options)?;
-    let out = options.out.clone().unwrap_or_else(|| Path::new("results").join(&scene.name));
-    let ground = Ground::new(scene, options.belief.prior)?;
+    let Plan { ground, mappers, setup, frames } = Plan::of(options)?;
+    let out = options.out.clone().unwrap_or_else(|| Path::new("results").join(&ground.scene.name));
     claimable(&ground, options)?;
     let mut staging = Staging::open(&out)?;
     threads::limit(options.threads)?;
-
-    let setup = Setup {
-        grid: ground.scene.grid,
-        sensor: Arc::new(ground.scene.matcher.stereo),
-        prior: options.belief.prior(),
-        reconciliation: options.belief.reconciliation(),
-    };
-    let trials = trials(&ground, &seeds, &mappers, &setup)?;
+    let trials = trials(&ground, &seeds, &mappers, &setup, &frames)?;
     let stages = stages(&ground, &trials[0]);
     let claimed = ground.scene.regions.iter().filter(|region| region.claims);
     let claims: Vec<Claim> = claimed.flat_map(|region| claims::judge(&trials, &region.name)).collect();
     let mut record = record(options, &ground, &mappers, &stages, &claims);
     let metrics = outputs::metrics(&ground, &trials, &stages);
-    outputs::write(&mut staging, &ground, &trials, &stages, &metrics, &mut record)?;
+    outputs::write(&mut staging, &ground, &trials, &stages, &frames, &metrics, &mut record)?;
     staging.publish()?;
 
     match options.format {
@@ -66,6 +58,38 @@ pub fn run(options: &RoomOptions) -> Result<(), Failure> {
         let _ = writeln!(std::io::stderr(), "{note}");
     }
     claims::all_hold(&claims)
+}
+
+/// Everything that a trial needs, from the options.
+pub(crate) struct Plan {
+    pub(crate) ground: Ground,
+    pub(crate) mappers: Vec<&'static Entry>,
+    pub(crate) setup: Setup,
+    /// Scans after which the report shows the maps.
+    pub(crate) frames: Vec<usize>,
+}
+
+impl Plan {
+    pub(crate) fn of(options: &RoomOptions) -> Result<Self, Failure> {
+        let mappers = entries(&options.mappers)?;
+        let ground = Ground::new(scene::load(&options.scene, options.grid, options.layout)?, options.belief.prior)?;
+        let setup = Setup {
+            grid: ground.scene.grid,
+            sensor: Arc::new(ground.scene.matcher.stereo),
+            prior: options.belief.prior(),
+            reconciliation: options.belief.reconciliation(),
+        };
+        Ok(Self { frames: report::moments(&ground, report::FRAMES), ground, mappers, setup })
+    }
+}
+
+/// The metrics of the first seed alone, as `metrics.csv` has them, and the trial.
+pub(crate) fn first_seed(plan: &Plan, options: &RoomOptions) -> Result<(Trial, table::Table), Failure> {
+    let keep = Keep { timeline: false, frames: plan.frames.clone() };
+    let trial = plan.ground.trial(options.seed, &plan.mappers, &plan.setup, &keep, &|_, _| ())?;
+    let stages = stages(&plan.ground, &trial);
+    let metrics = outputs::metrics(&plan.ground, std::slice::from_ref(&trial), &stages);
+    Ok((trial, metrics))
 }
 
 /// Claims are made about free cells: a region without any is a mistake in the scene.
@@ -97,13 +121,20 @@ fn seeds(options: &RoomOptions) -> Result<Vec<u64>, Failure> {
 }
 
 /// One trial per seed; all but the first keep only their scores.
-fn trials(ground: &Ground, seeds: &[u64], mappers: &[&Entry], setup: &Setup) -> Result<Vec<Trial>, Failure> {
+fn trials(
+    ground: &Ground,
+    seeds: &[u64],
+    mappers: &[&Entry],
+    setup: &Setup,
+    frames: &[usize],
+) -> Result<Vec<Trial>, Failure> {
     let names: Vec<&str> = mappers.iter().map(|entry| entry.name).collect();
     let progress = Progress::new(ground.scans() * mappers.len() * seeds.len(), &names);
-    let keep = Keep { timeline: true, ..Keep::default() };
     let trials = seeds
         .par_iter()
         .map(|&seed| {
+            let frames = if seed == seeds[0] { frames.to_vec() } else { Vec::new() };
+            let keep = Keep { timeline: true, frames };
             let trial = ground.trial(seed, mappers, setup, &keep, &|mapper, moment| {
                 progress.step(mapper, moment.and_then(|moment| moment.log_loss));
             })?;
@@ -114,12 +145,18 @@ fn trials(ground: &Ground, seeds: &[u64], mappers: &[&Entry], setup: &Setup) -> 
     trials
 }
 
-fn stages(ground: &Ground, trial: &Trial) -> Vec<Stage> {
+pub(crate) fn stages(ground: &Ground, trial: &Trial) -> Vec<Stage> {
     let plans = ground.scene.stages.iter().zip(&trial.simulation.stages);
     plans.map(|(plan, done)| Stage { name: plan.name.clone(), label: plan.label.clone(), scans: done.scans }).collect()
 }
 
-fn record(options: &RoomOptions, ground: &Ground, mappers: &[&Entry], stages: &[Stage], claims: &[Claim]) -> Record {
+pub(crate) fn record(
+    options: &RoomOptions,
+    ground: &Ground,
+    mappers: &[&Entry],
+    stages: &[Stage],
+    claims: &[Claim],
+) -> Record {
     Record {
         schema_version: 1,
         command: "room",

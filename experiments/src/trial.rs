@@ -60,6 +60,7 @@ pub struct Run {
 }
 
 /// A map on the way.
+#[derive(Debug, Clone)]
 pub struct Frame {
     /// After so many scans.
     pub scans: usize,

@@ -152,7 +152,8 @@ fn room_leaves_every_file_it_promises() {
     assert_eq!(metrics.lines().count(), 3 * 7 * 13 + 1);
     let scans = text("scans.csv");
     assert!(scans.starts_with("scan,time_s,x_m,y_m,theta_rad,bearing_rad,disparity_px,true_range_m\n"));
-    assert!(!text("report.html").contains("http"), "the report needs no network");
+    // Base64 has no colon: no maps can look like an address.
+    assert!(!text("report.html").contains("://"), "the report needs no network");
     let truth = &found["truth.npy"];
     assert_eq!(truth.len() % 64, (30 * 20 * 4) % 64, "a padded NPY head and 600 float32");
 }
@@ -260,6 +261,69 @@ fn an_output_folder_that_cannot_be_written_is_refused_and_a_failed_run_keeps_the
     let (_, err) = place.expect(2, &["room", "--scene", "closet.toml", "--out", "o"]);
     assert!(err.contains("blocked") && err.contains("box 1"), "{err}");
     assert_eq!(before, files(&place.path().join("o")));
+}
+
+#[test]
+fn report_makes_the_same_page_from_the_folder_alone() {
+    let place = Place::new();
+    place.expect(
+        0,
+        &["room", "--scene", "closet.toml", "--out", "o", "--seeds", "3", "--grid", "0.07", "--prior", "0.123"],
+    );
+    let before = files(&place.path().join("o"));
+    place.expect(0, &["report", "o", "--out", "page.html"]);
+    assert_eq!(fs::read(place.path().join("page.html")).expect("there"), before["report.html"]);
+    fs::remove_file(place.path().join("o/report.html")).expect("removable");
+    let (out, err) = place.expect(0, &["report", "o"]);
+    assert_eq!((out.as_str(), err.contains("report.html")), ("", true));
+    assert_eq!(files(&place.path().join("o")), before, "nothing else is touched");
+}
+
+#[test]
+fn report_refuses_a_folder_that_it_cannot_vouch_for() {
+    let place = Place::new();
+    let refused = |message: &str| {
+        let (_, err) = place.expect(2, &["report", "o"]);
+        assert!(err.contains(message) && err.lines().count() == 1, "{err}");
+    };
+    refused("run.json: cannot be read");
+    place.expect(0, &["room", "--scene", "closet.toml", "--out", "o"]);
+    let path = |name: &str| place.path().join("o").join(name);
+    let [record, metrics] = ["run.json", "metrics.csv"].map(|name| fs::read_to_string(path(name)).expect("there"));
+    let put = |name: &str, text: &str| fs::write(path(name), text).expect("writable");
+
+    put("run.json", "{");
+    refused("is no record of a run");
+    put("run.json", "{}");
+    refused("names no command");
+    put("run.json", &record.replace("\"room\"", "\"cooking\""));
+    refused("the command \"cooking\" leaves no page");
+    put("run.json", &record.replace("\"seed\": 1", "\"seed\": -1"));
+    refused("run.json: is not understood");
+    put("run.json", &record.replace("\"scaled\"", "\"wild\""));
+    refused("run.json: is not understood");
+    put("run.json", &record.replace("\"visibility\"", "\"visibilty\""));
+    refused("no mapper");
+    put("run.json", &record);
+
+    put(
+        "metrics.csv",
+        &metrics.replacen(
+            "closet,1,visibility,end,visible,log_loss,0.",
+            "closet,1,visibility,end,visible,log_loss,1.",
+            1,
+        ),
+    );
+    refused("metrics.csv: line 2 is");
+    put("metrics.csv", &metrics);
+    place.edit("columns = 24", "columns = 25");
+    refused("configuration.columns was 24 and would now be 25: the scene has changed");
+    place.edit("columns = 24", "columns = 24");
+    fs::remove_file(path("maps.png")).expect("removable");
+    refused("maps.png: cannot be read");
+    fs::remove_file(place.path().join("closet.toml")).expect("removable");
+    let (_, err) = place.expect(2, &["report", "o"]);
+    assert!(err.contains("closet.toml"), "{err}");
 }
 
 #[test]

@@ -5,10 +5,11 @@ use std::io::{self, Write as _};
 use grid::{Raster, npy};
 use serde_json::{Value, json};
 
+use super::page;
 use crate::failure::Failure;
 use crate::figures;
 use crate::record::{Record, Stage};
-use crate::report::{self, Picture};
+use crate::report::{self, Picture, Viewer, World};
 use crate::staging::{RECORD, Staging};
 use crate::summary::over_seeds;
 use crate::table::{Table, optional, rounded};
@@ -46,6 +47,7 @@ pub(super) fn write(
     ground: &Ground,
     trials: &[Trial],
     stages: &[Stage],
+    frames: &[usize],
     metrics: &Table,
     record: &mut Record,
 ) -> Result<(), Failure> {
@@ -68,7 +70,12 @@ pub(super) fn write(
     record.files = staging.files();
     record.files.extend(["report.html".to_owned(), RECORD.to_owned()]);
     record.files.sort();
-    let html = report::render(ground, trials, stages, record, &pictures)?;
+    let mut csv = Vec::new();
+    metrics.write_csv(&mut csv).map_err(Failure::internal)?;
+    let rows = page::rows(&csv).map_err(Failure::internal)?;
+    let json = serde_json::to_value(&*record).map_err(Failure::internal)?;
+    let viewer = Viewer { worlds: vec![World::new(ground, first, stages, frames)] };
+    let html = report::page(&page::page(ground, stages, &json, &rows, pictures, viewer)?)?;
     staging.write("report.html", |out| out.write_all(html.as_bytes()))?;
     staging.write(RECORD, |out| -> io::Result<()> {
         serde_json::to_writer_pretty(&mut *out, record)?;
@@ -154,17 +161,16 @@ fn six_decimals(map: &Raster<f64>) -> Raster<f32> {
 /// Draws every picture and hands them on for the report.
 fn pictures(staging: &mut Staging, ground: &Ground, trial: &Trial, stages: &[Stage]) -> Result<Vec<Picture>, Failure> {
     let mut pictures = Vec::new();
-    let mut draw = |name: &'static str, caption: String, bytes: Vec<u8>| -> Result<(), Failure> {
+    for (name, caption) in page::PICTURES {
+        let bytes = match name {
+            "scene.png" => figures::scene::draw(ground)?,
+            "maps.png" => figures::maps::draw(ground, trial, stages)?,
+            "regions.png" if ground.scene.regions.is_empty() => continue,
+            "regions.png" => figures::regions::draw(ground, trial, stages)?,
+            _ => figures::timeline::draw(trial, stages)?,
+        };
         staging.write(name, |out| out.write_all(&bytes))?;
-        pictures.push(Picture { name, caption, bytes });
-        Ok(())
-    };
-    let scene = &ground.scene;
-    draw("scene.png", figures::scene::CAPTION.to_owned(), figures::scene::draw(ground)?)?;
-    draw("maps.png", figures::maps::CAPTION.to_owned(), figures::maps::draw(ground, trial, stages)?)?;
-    if !scene.regions.is_empty() {
-        draw("regions.png", figures::regions::CAPTION.to_owned(), figures::regions::draw(ground, trial, stages)?)?;
+        pictures.push(Picture { name: name.to_owned(), caption: caption.to_owned(), bytes });
     }
-    draw("timeline.png", figures::timeline::CAPTION.to_owned(), figures::timeline::draw(trial, stages)?)?;
     Ok(pictures)
 }

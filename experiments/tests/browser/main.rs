@@ -1,0 +1,382 @@
+//! The report in a real browser, opened from the file system: `cargo test -p experiments --features browser --test browser`.
+
+mod driver;
+
+use std::collections::HashMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use assert_cmd::Command;
+use driver::{Browser, DOWN, ESCAPE, LEFT, RIGHT, UP};
+use experiments::report::{self, Page, Viewer, World};
+use experiments::trial::{Ground, Keep};
+use mapper::catalogue;
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+/// Columns and rows of the closet.
+const SIZE: [usize; 2] = [30, 20];
+
+/// A folder with the results of the closet.
+struct Results {
+    folder: TempDir,
+}
+
+impl Results {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let scene = folder.path().join("closet.toml");
+        fs::write(&scene, include_str!("closet.toml")).expect("writable");
+        let mut command = Command::cargo_bin("experiments").expect("built");
+        command.current_dir(folder.path()).args(["room", "--scene", "closet.toml", "--out", "o"]).assert().success();
+        Self { folder }
+    }
+
+    fn file(&self, name: &str) -> PathBuf {
+        self.folder.path().join("o").join(name)
+    }
+
+    fn page(&self) -> PathBuf {
+        self.file("report.html")
+    }
+
+    fn npy(&self, name: &str) -> Vec<f32> {
+        let bytes = fs::read(self.file(name)).expect("readable");
+        npyz::NpyFile::new(&bytes[..]).expect("NPY").into_vec().expect("float32")
+    }
+
+    /// Value of every metric by mapper, stage, region and name.
+    fn metrics(&self) -> HashMap<[String; 4], Option<f64>> {
+        let mut csv = csv::Reader::from_path(self.file("metrics.csv")).expect("readable");
+        let rows = csv.records().map(|row| row.expect("a row"));
+        rows.map(|row| ([2, 3, 4, 5].map(|i| row[i].to_owned()), row[6].parse().ok())).collect()
+    }
+
+    fn ground(&self) -> Ground {
+        let scene = scene::Scene::load(&self.folder.path().join("closet.toml"), None).expect("valid");
+        Ground::new(scene, 0.1).expect("a free route")
+    }
+}
+
+/// Something that tells any two pictures apart.
+fn pixels(browser: &Browser, canvas: &str) -> String {
+    browser.get(&format!("document.getElementById('{canvas}').toDataURL()")).to_string()
+}
+
+fn close(a: f64, b: f64, bound: f64) -> bool {
+    (a - b).abs() <= bound
+}
+
+#[test]
+fn it_opens_without_an_error_or_a_request_and_is_small() {
+    let results = Results::new();
+    let browser = Browser::start();
+    browser.open(&results.page(), "");
+    for view in ["truth", "error", "looks"] {
+        browser.click(&format!("input[value={view}]"));
+    }
+    browser.choose("mapper", "conventional");
+    browser.choose("beside", "none");
+    let complaints = browser.notes("browser");
+    assert!(complaints.is_empty(), "{complaints:?}");
+    let mut opened = 0;
+    for note in browser.notes("performance") {
+        let event: Value = serde_json::from_str(note["message"].as_str().unwrap_or_default()).expect("JSON");
+        if event["message"]["method"] == "Network.requestWillBeSent" {
+            let url = event["message"]["params"]["request"]["url"].as_str().unwrap_or_default().to_owned();
+            opened += usize::from(url.starts_with("file:") && url.contains("report.html"));
+            assert!(["file:", "data:", "blob:"].iter().any(|local| url.starts_with(local)), "{url}");
+        }
+    }
+    assert!(opened > 0, "the page itself is noted, so others would be");
+    assert!(fs::metadata(results.page()).expect("there").len() < 10_000_000);
+    assert_eq!(browser.get("document.getElementById('viewer').hidden"), json!(false));
+}
+
+#[test]
+fn its_metrics_are_those_of_the_tables() {
+    let results = Results::new();
+    let metrics = results.metrics();
+    let browser = Browser::start();
+    browser.open(&results.page(), "");
+    let read = "Object.fromEntries([...document.querySelectorAll('#viewer-metrics tbody tr')].map((row) =>
+        [row.dataset.metric, [row.querySelector('td').textContent, row.querySelector('td').dataset.cells]]))";
+    let mut compared = 0;
+    for (stage, name) in ["there", "back"].iter().enumerate() {
+        browser.click(&format!("#viewer-stages button:nth-child({})", stage + 1));
+        assert_eq!(
+            browser.get("document.querySelector('#viewer-stages [aria-pressed=true]').textContent.split(':')[0]"),
+            *name
+        );
+        for mapper in ["visibility", "visibility-printed", "conventional"] {
+            browser.choose("mapper", mapper);
+            for region in ["observable", "X", "visible", "surface", "shell", "hidden", "all"] {
+                browser.choose("region", region);
+                let shown = browser.get(read);
+                assert_eq!(shown.as_object().map(serde_json::Map::len), Some(13), "{shown}");
+                for (metric, cell) in shown.as_object().expect("rows") {
+                    let key = [mapper, name, region, metric].map(str::to_owned);
+                    let value = metrics[&key];
+                    let text = value.map_or_else(|| "–".to_owned(), |v| format!("{v:.4}"));
+                    assert_eq!(cell[0], text, "{key:?}");
+                    // What the page computes itself, as it does between the stages.
+                    let own: Option<f64> = cell[1].as_str().and_then(|own| own.parse().ok());
+                    match metric.as_str() {
+                        "ece" | "auc" | "retention" => assert_eq!(own, None, "{key:?}"),
+                        _ => {
+                            let bound = if ["log_loss", "brier"].contains(&metric.as_str()) { 1e-3 } else { 1e-5 };
+                            let agrees = match (own, value) {
+                                (Some(own), Some(value)) => close(own, value, bound * value.max(1.0)),
+                                (own, value) => own.is_none() && value.is_none(),
+                            };
+                            assert!(agrees, "{key:?}: {own:?} from the cells, {value:?} in the table");
+                            compared += 1;
+                        }
+                    }
+                }
+            }
+        }
+    }
+    assert_eq!(compared, 2 * 3 * 7 * 10);
+}
+
+/// Reads out the cell under the cursor: column, row, truth, rays, and p of the map on the left.
+fn readout(browser: &Browser) -> (String, String, u32, f64) {
+    let p = browser.text("#viewer-values tr:first-child td").parse().expect("a probability");
+    let rays = browser.text("#viewer-rays").parse().expect("a number");
+    (browser.text("#viewer-index"), browser.text("#viewer-truth"), rays, p)
+}
+
+#[test]
+fn the_readout_of_a_cell_is_what_the_files_hold() {
+    let results = Results::new();
+    let ground = results.ground();
+    let truth = results.npy("truth.npy");
+    let browser = Browser::start();
+    browser.open(&results.page(), "");
+    browser.choose("mapper", "conventional");
+    for (stage, (name, scans)) in ground.drive.stage_ends.iter().enumerate() {
+        browser.click(&format!("#viewer-stages button:nth-child({})", stage + 1));
+        let map = results.npy(&format!("conventional-{name}.npy"));
+        let looks = looks(&ground, *scans);
+        let spread: Vec<usize> = (0..12).map(|k| (k * 53 + 31) % (SIZE[0] * SIZE[1])).collect();
+        for cell in spread {
+            let [column, row] = [cell % SIZE[0], cell / SIZE[0]];
+            browser.post("/execute/sync", &json!({"script": "document.getElementById('viewer-left').scrollIntoView({block: 'center'})", "args": []}));
+            let size = browser.get("(({width, height}) => [width, height])(document.getElementById('viewer-left').getBoundingClientRect())");
+            let [width, height] = [0, 1].map(|i| size[i].as_f64().expect("px"));
+            let x = (column as f64 + 0.5) / SIZE[0] as f64 * width - width / 2.0;
+            let y = height / 2.0 - (row as f64 + 0.5) / SIZE[1] as f64 * height;
+            browser.hover("#viewer-left", x as i64, y as i64);
+            let (index, said, rays, p) = readout(&browser);
+            assert_eq!(index, format!("{column}, {row}"));
+            assert_eq!(said, if truth[cell] > 0.5 { "occupied" } else { "free" });
+            assert!(close(p, f64::from(map[cell]), 3.5e-4), "cell {cell}: {p} on the page, {} in the file", map[cell]);
+            assert_eq!(rays, looks[cell], "cell {cell} at {name}");
+            assert_eq!(browser.text("#viewer-x"), format!("{:.3} m", (column as f64 + 0.5) * 0.1));
+        }
+    }
+}
+
+/// How many rays looked at each cell in the first scans, without the report's help.
+fn looks(ground: &Ground, scans: usize) -> Vec<u32> {
+    let mut seen = score::Sightings::new(&ground.truth);
+    for timed in &ground.drive.poses[..scans] {
+        for bearing in ground.scene.camera.bearings_rad() {
+            let (origin_m, direction) = (timed.pose.position_m(), timed.pose.direction(bearing));
+            let range_m = ground.world.cast(origin_m, direction).map(|hit| hit.range_m);
+            seen.add(&score::Sight { origin_m, direction, range_m });
+        }
+    }
+    seen.looks().values().to_vec()
+}
+
+#[test]
+fn the_keyboard_moves_time_and_the_cell() {
+    let results = Results::new();
+    let browser = Browser::start();
+    browser.open(&results.page(), "");
+    let (end, last) = (browser.text("#viewer-moment"), pixels(&browser, "viewer-left"));
+    browser.press("#viewer-time", LEFT);
+    browser.press("#viewer-time", LEFT);
+    assert_ne!(browser.text("#viewer-moment"), end);
+    assert_ne!(pixels(&browser, "viewer-left"), last, "an earlier map is another map");
+    browser.press("#viewer-time", &RIGHT.repeat(2));
+    assert_eq!((browser.text("#viewer-moment"), pixels(&browser, "viewer-left")), (end.clone(), last.clone()));
+
+    browser.press("#viewer-time", "[");
+    assert_eq!(browser.get("document.querySelector('#viewer-stages [aria-pressed=true]').textContent"), "there: at B");
+    browser.press("#viewer-time", ",");
+    assert_eq!(browser.get("document.querySelector('#viewer-stages [aria-pressed=true]')"), Value::Null);
+    browser.press("#viewer-time", "]]");
+    assert_eq!(browser.text("#viewer-moment"), end);
+
+    // At the end, play begins anew, and stops at the end by itself; a second press pauses.
+    browser.press("#viewer-time", " ");
+    browser.wait("document.getElementById('viewer-play').getAttribute('aria-pressed') === 'true'");
+    browser.wait("document.getElementById('viewer-time').value === '2'");
+    browser.press("#viewer-time", " ");
+    assert_eq!(browser.get("document.getElementById('viewer-play').getAttribute('aria-pressed')"), "false");
+    browser.press("#viewer-time", "]]");
+
+    // The cursor starts in the middle.
+    browser.press("#viewer-left", RIGHT);
+    assert_eq!(browser.text("#viewer-index"), "15, 10");
+    browser.press("#viewer-left", &[RIGHT, UP, UP, LEFT, LEFT, DOWN].concat());
+    assert_eq!(browser.text("#viewer-index"), "14, 11");
+    assert!(
+        browser.text("#viewer-said").starts_with("Column 14, row 11: visibility 0."),
+        "{}",
+        browser.text("#viewer-said")
+    );
+    browser.press("#viewer-left", &RIGHT.repeat(40));
+    assert_eq!(browser.text("#viewer-index"), "29, 11", "it stays on the map");
+    browser.press("#viewer-left", ESCAPE);
+    assert_eq!(browser.get("document.getElementById('viewer-cell').hidden"), json!(true));
+
+    browser.press("#viewer-left", "3");
+    assert_eq!(browser.get("document.querySelector('input[value=error]').checked"), json!(true));
+    // Everything that can be operated is reached by Tab and has a name.
+    let nameless = browser.get(
+        "[...document.querySelectorAll('#viewer :is(select, input, button, canvas)')].filter((e) => e.tabIndex < 0 ||
+            !(e.ariaLabel || e.labels?.length || e.textContent.trim())).length",
+    );
+    assert_eq!(nameless, 0);
+}
+
+#[test]
+fn views_and_regions_change_the_picture_and_the_address_keeps_them() {
+    let results = Results::new();
+    let browser = Browser::start();
+    browser.open(&results.page(), "");
+    browser.choose("beside", "truth");
+    let mut seen = vec![pixels(&browser, "viewer-left")];
+    for view in ["truth", "error", "looks"] {
+        browser.click(&format!("input[value={view}]"));
+        let now = pixels(&browser, "viewer-left");
+        assert!(!seen.contains(&now), "{view} looks like another view");
+        seen.push(now);
+    }
+    browser.click("input[value=error]");
+    for region in ["X", "hidden", "all"] {
+        browser.choose("region", region);
+        let now = pixels(&browser, "viewer-left");
+        assert!(!seen.contains(&now), "{region} looks like another region");
+        seen.push(now);
+    }
+    browser.choose("mapper", "conventional");
+    let now = pixels(&browser, "viewer-left");
+    assert!(!seen.contains(&now), "another mapper has another map");
+    // A wall that the map knows is right, a cell in the open held occupied is not: colours say which.
+    let address = browser.get("location.hash");
+    browser.post("/url", &json!({ "url": "about:blank" }));
+    browser.open(&results.page(), address.as_str().expect("text"));
+    assert_eq!(browser.get("document.getElementById('viewer-mapper').value"), "conventional");
+    assert_eq!(pixels(&browser, "viewer-left"), now);
+}
+
+/// Contrast of text with what is behind it (WCAG 2.2), the least over the page.
+const LEAST_CONTRAST: &str = "(() => {
+    const rgb = (text) => text.match(/[\\d.]+/g).map(Number);
+    const light = (c) => c.slice(0, 3).map((v) => v / 255).map((v) => (v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4))
+        .reduce((sum, v, i) => sum + v * [0.2126, 0.7152, 0.0722][i], 0);
+    const behind = (e) => { for (; e; e = e.parentElement) { const c = rgb(getComputedStyle(e).backgroundColor); if (c[3] !== 0) return c; } return [255, 255, 255]; };
+    let least = 99;
+    for (const e of document.querySelectorAll('h1, h2, h3, p, td, th, label, button, select, figcaption, legend, dt, dd, summary, pre, output, .faint')) {
+        if (!e.getClientRects().length) continue;
+        const [a, b] = [light(rgb(getComputedStyle(e).color)), light(behind(e))].sort((x, y) => y - x);
+        least = Math.min(least, (a + 0.05) / (b + 0.05));
+    }
+    return least;
+})()";
+
+#[test]
+fn text_is_readable_in_light_and_in_dark_and_nothing_overflows_a_telephone() {
+    let results = Results::new();
+    let browser = Browser::start();
+    let mut papers = Vec::new();
+    for scheme in ["light", "dark"] {
+        let media = json!({ "features": [{ "name": "prefers-color-scheme", "value": scheme }] });
+        browser.devtools("Emulation.setEmulatedMedia", &media);
+        browser.open(&results.page(), "");
+        let least = browser.get(LEAST_CONTRAST).as_f64().expect("a number");
+        assert!(least >= 4.5, "{scheme}: contrast {least}");
+        papers.push(browser.get("getComputedStyle(document.body).backgroundColor"));
+    }
+    assert_ne!(papers[0], papers[1]);
+    for width in [1280, 420] {
+        let size = json!({ "width": width, "height": 900, "deviceScaleFactor": 2, "mobile": width < 600 });
+        browser.devtools("Emulation.setDeviceMetricsOverride", &size);
+        browser.open(&results.page(), "");
+        assert_eq!(browser.get("document.documentElement.scrollWidth <= innerWidth"), json!(true), "{width} px");
+        assert_eq!(browser.get("innerWidth"), width);
+    }
+}
+
+#[test]
+fn without_scripts_pictures_and_tables_remain() {
+    let results = Results::new();
+    let browser = Browser::start();
+    browser.devtools("Emulation.setScriptExecutionDisabled", &json!({ "value": true }));
+    browser.post("/url", &json!({ "url": format!("file://{}", results.page().display()) }));
+    let state = browser.get(
+        "[document.getElementById('viewer').getClientRects().length, document.querySelectorAll('figure img').length,
+        document.querySelectorAll('details table').length]",
+    );
+    assert_eq!(state, json!([0, 4, 14]));
+}
+
+/// Two scenes, and a mapper that has a map at the ends of stages only.
+fn two_worlds(results: &Results, folder: &Path) -> PathBuf {
+    let ground = results.ground();
+    let moments = report::moments(&ground, report::FRAMES);
+    let setup = catalogue::Setup {
+        grid: ground.scene.grid,
+        sensor: std::sync::Arc::new(ground.scene.matcher.stereo),
+        prior: mapper::Prior::default(),
+        reconciliation: mapper::Reconciliation::default(),
+    };
+    let entries: Vec<_> = ["visibility", "conventional"].iter().filter_map(|name| catalogue::find(name)).collect();
+    let keep = Keep { timeline: false, frames: moments.clone() };
+    let worlds = [1, 2].map(|seed| {
+        let trial = ground.trial(seed, &entries, &setup, &keep, &|_, _| ()).expect("maps");
+        let stage = |s: &scene::Stage| experiments::record::Stage {
+            name: s.name.clone(),
+            label: s.name.clone(),
+            scans: s.scans,
+        };
+        let stages: Vec<_> = trial.simulation.stages.iter().map(stage).collect();
+        let mut world = World::new(&ground, &trial, &stages, &moments);
+        assert!(trial.looks.iter().zip(&world.moments).all(|(looks, moment)| *looks == moment.looks));
+        world.name = format!("closet <{seed}>");
+        world.mappers[1].frames.retain(|frame| stages.iter().any(|stage| stage.scans == frame.scans));
+        world
+    });
+    let page = Page { title: "Two".to_owned(), viewer: Some(Viewer { worlds: worlds.to_vec() }), ..Page::default() };
+    let path = folder.join("two.html");
+    fs::write(&path, report::page(&page).expect("rendered")).expect("writable");
+    path
+}
+
+#[test]
+fn another_scene_is_picked_and_a_batch_map_says_when_it_was_solved() {
+    let results = Results::new();
+    let browser = Browser::start();
+    browser.open(&two_worlds(&results, results.folder.path()), "");
+    assert_eq!(browser.get("document.getElementById('viewer-scene').options.length"), 2);
+    let first = pixels(&browser, "viewer-left");
+    browser.choose("scene", "closet <2>");
+    assert_ne!(pixels(&browser, "viewer-left"), first);
+    assert_eq!(browser.get("document.getElementById('viewer-mapper').value"), "visibility");
+
+    let caption = || browser.text("figure:has(#viewer-right) figcaption");
+    let there = results.ground().drive.stage_ends[0].1;
+    browser.press("#viewer-time", "[");
+    assert_eq!(caption(), format!("conventional: as solved after scan {there}"));
+    let solved = pixels(&browser, "viewer-right");
+    browser.press("#viewer-time", ",");
+    assert_eq!(caption(), "conventional: solved at the ends of stages, none yet");
+    browser.press("#viewer-left", RIGHT);
+    assert_eq!(browser.text("#viewer-values tr:last-child td"), "0.1000", "until then it is the prior");
+    assert_ne!(pixels(&browser, "viewer-right"), solved);
+}
