@@ -40,6 +40,8 @@ pub enum Command {
     /// Generate a scene file from a family of scenes
     #[command(subcommand)]
     Scene(SceneCommand),
+    /// Estimate prior, correlation and mean obstacle length (Section 3.2) from a scene's ground truth
+    Estimate(CheckOptions),
     /// List experiments, mappers, scenes and families of scenes at hand
     List(ListOptions),
 }
@@ -214,7 +216,7 @@ pub struct SensorOptions {
     pub format: Format,
 }
 
-/// Options of `check`.
+/// Options of `check` and `estimate`.
 #[derive(Debug, Args)]
 pub struct CheckOptions {
     /// Scene file, or file of a family of scenes

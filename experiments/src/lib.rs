@@ -8,6 +8,7 @@ pub mod check;
 pub mod claims;
 pub mod cli;
 pub mod compare;
+pub mod estimate;
 pub mod failure;
 pub mod figures;
 pub mod generate;

@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::Parser as _;
-use experiments::{check, cli, compare, generate, list, ray, rebuild, room, sensor_model};
+use experiments::{check, cli, compare, estimate, generate, list, ray, rebuild, room, sensor_model};
 
 fn main() -> ExitCode {
     let outcome = match cli::Cli::parse().command {
@@ -14,6 +14,7 @@ fn main() -> ExitCode {
         cli::Command::Report(options) => rebuild::run(&options),
         cli::Command::Check(options) => check::run(&options),
         cli::Command::Scene(cli::SceneCommand::Generate(options)) => generate::run(&options),
+        cli::Command::Estimate(options) => estimate::run(&options),
         cli::Command::List(options) => list::run(&options),
     };
     match outcome {

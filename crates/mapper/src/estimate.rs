@@ -14,10 +14,11 @@ const LEAST_FITTED: f64 = 0.3;
 /// share. Rows and columns are counted alike; cells that are not known are in no pair, and a run ends at them
 /// without being over.
 ///
-/// What is estimated is the raster's own statistics. Where a cell counts as occupied only if its centre is, that
-/// is the world's, at any cell size. Where a partly covered cell counts as occupied, obstacles are about one cell longer
-/// and gaps one cell shorter than in the world, so that share and lengths come out too large, the more the coarser
-/// the cells.
+/// What is estimated is the raster's own statistics. Where a cell counts as occupied if its centre is, they are the
+/// world's, unless walls lie along the cells: a wall is then in a whole row of centres or in none. Finer cells, and
+/// [`correlation`] at a longer lag, average over that. Where a partly covered cell counts as occupied, obstacles are
+/// about one cell longer and gaps one cell shorter than in the world, so that share and lengths come out too large, the
+/// more the coarser the cells.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate {
     /// Side of a cell, m.
@@ -57,7 +58,7 @@ impl Estimate {
         let mut lags: Vec<Lag> = Vec::new();
         let longest = map.spec().width.max(map.spec().height);
         for lag in 1..longest {
-            let Some(correlation) = Pairs::count(map, lag).correlation() else { break };
+            let Some(correlation) = correlation(map, lag) else { break };
             lags.push(Lag { distance_m: lag as f64 * cell_m, correlation });
             if correlation < LEAST_FITTED {
                 break;
@@ -109,14 +110,20 @@ impl Estimate {
     }
 }
 
+/// Correlation coefficient of cells `lag` cells apart along rows and columns; none where one of two such cells is
+/// always the same, or there are none.
+pub fn correlation(map: &Raster<Option<bool>>, lag: usize) -> Option<f64> {
+    Pairs::count(map, lag).correlation()
+}
+
 /// Correlation of cells `distance_m` (m) apart where a share `occupancy` is occupied by obstacles of mean
 /// length `length_m` (m): `exp(-d / ((1 - p) L))`.
 pub fn law(occupancy: f64, length_m: f64, distance_m: f64) -> f64 {
     libm::exp(-distance_m / ((1.0 - occupancy) * length_m))
 }
 
-/// The law solved for the length, m.
-fn length_m(occupancy: f64, lag: &Lag) -> Option<f64> {
+/// The law solved for the mean length of obstacles, m; none for a correlation that is not within 0 and 1.
+pub fn length_m(occupancy: f64, lag: &Lag) -> Option<f64> {
     let c = Some(lag.correlation).filter(|c| *c > 0.0)?;
     ratio(lag.distance_m, -(1.0 - occupancy) * libm::log(c))
 }

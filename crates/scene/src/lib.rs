@@ -7,7 +7,8 @@
 //! - [`World`], in which parry casts rays: [`World::cast`];
 //! - [`drive`], in which rapier moves the robot along the route and finds what blocks it;
 //! - [`simulate`], which gives the readings of a seed, whatever the number of threads;
-//! - [`truth`], the cells that are really occupied.
+//! - [`truth`], the cells that are really occupied, and [`truth_at_centres`], those occupied where
+//!   their centres are.
 //!
 //! A [`Family`] makes a scene of every layout number, with furniture of a given mean size that keeps
 //! off the route; [`load`] takes a file of either form.
@@ -40,5 +41,5 @@ pub use family::{Family, Set, Variation, load};
 pub use scene::{Area, Obstacle, Origin, Region, Robot, Scene, StagePlan, Stop, Waypoint};
 pub use shape::Shape;
 pub use simulate::{SimulatedScan, Simulation, Stage, simulate};
-pub use truth::truth;
+pub use truth::{truth, truth_at_centres};
 pub use world::{Hit, World};

@@ -3,7 +3,7 @@
 use grid::{GridSpec, Raster};
 
 use crate::geometry::{distance, outline_contains, segment_meets_rectangle, sides};
-use crate::{Scene, Shape};
+use crate::{Obstacle, Scene, Shape};
 
 /// Cells are tested this much smaller on every side, m: what only touches a cell does not occupy it.
 const TOUCH_M: f64 = 1e-9;
@@ -14,6 +14,32 @@ const TOUCH_M: f64 = 1e-9;
 /// its side is not covering. Other cells are `Some(false)`, or `None` where the scene comes from a
 /// map that does not know the cell's centre: nobody can score what is there.
 pub fn truth(scene: &Scene) -> Raster<Option<bool>> {
+    let mut truth = free(scene);
+    for obstacle in &scene.obstacles {
+        occupy(&mut truth, &obstacle.shape);
+    }
+    truth
+}
+
+/// The cells whose centres an obstacle covers, and which are known, as in [`truth`].
+///
+/// This samples the world: the occupied share and the correlation of cells are the world's own at any cell
+/// size, while in [`truth`] obstacles grow with the cells.
+pub fn truth_at_centres(scene: &Scene) -> Raster<Option<bool>> {
+    let mut truth = free(scene);
+    for Obstacle { shape, .. } in &scene.obstacles {
+        let [columns, rows] = span(&scene.grid, shape);
+        for cell in rows.flat_map(|row| columns.clone().map(move |column| scene.grid.index(column, row))) {
+            if shape.distance_m(scene.grid.centre(cell)) <= 0.0 {
+                truth[cell] = Some(true);
+            }
+        }
+    }
+    truth
+}
+
+/// Every cell free, or not known.
+fn free(scene: &Scene) -> Raster<Option<bool>> {
     let mut truth = Raster::filled(scene.grid, Some(false));
     if let Some(known) = &scene.known {
         for cell in 0..scene.grid.cells() {
@@ -22,9 +48,6 @@ pub fn truth(scene: &Scene) -> Raster<Option<bool>> {
                 truth[cell] = None;
             }
         }
-    }
-    for obstacle in &scene.obstacles {
-        occupy(&mut truth, &obstacle.shape);
     }
     truth
 }

@@ -98,3 +98,24 @@ fn every_ray_ends_in_an_occupied_cell() {
         assert!(rays > 4000, "{rays}");
     }
 }
+
+/// Boxes of known size at random: sampled at centres they keep share and size, covered cells add one to each side.
+#[test]
+fn centres_sample_the_world_and_covered_cells_enlarge_it() {
+    let mut text = "name = \"t\"\nbounds = { min = [0, 0], max = [40, 40] }\nwaypoints = { A = [0.3, 0.3], B = [0.6, 0.3] }\nroute.stops = [\"A\", \"B\"]\n".to_owned();
+    for k in 0..400 {
+        // Golden-ratio steps: every phase of box against cell comes up evenly.
+        let [x, y] = [0.618_033_988, 0.754_877_666].map(|step: f64| 0.3 * (f64::from(k) * step).fract());
+        let at = [1.2 + 1.9 * f64::from(k % 20) + x, 1.2 + 1.9 * f64::from(k / 20) + y];
+        text += &format!("[[box]]\ncenter = [{}, {}]\nsize = [0.4, 0.4]\n", at[0], at[1]);
+    }
+    for cell_m in [0.05, 0.1, 0.2] {
+        let scene = Scene::parse(&text, Path::new("t.toml"), Some(cell_m)).expect("valid");
+        let area = |truth: Raster<Option<bool>>| {
+            truth.values().iter().filter(|&&v| v == Some(true)).count() as f64 * cell_m * cell_m / 400.0
+        };
+        let (centres, covered) = (area(truth_at_centres(&scene)), area(truth(&scene)));
+        assert!((centres / 0.16 - 1.0).abs() < 0.03, "{cell_m}: {centres}");
+        assert!((covered / (0.4 + cell_m).powi(2) - 1.0).abs() < 0.03, "{cell_m}: {covered}");
+    }
+}
