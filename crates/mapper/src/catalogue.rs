@@ -6,8 +6,8 @@ use grid::GridSpec;
 use sensor::SensorModel;
 
 use crate::{
-    ConstantIncrements, Conventional, ConventionalRule, LogOdds, Mapper, NoOcclusion, Prior, Reconciliation, Unseen,
-    Visibility,
+    ConstantIncrements, Conventional, ConventionalRule, Field, ForwardEm, LogOdds, Mapper, Mrf, NoOcclusion, Prior,
+    Reconciliation, Unseen, Visibility,
 };
 
 /// What a mapper is made from.
@@ -108,6 +108,20 @@ pub const MAPPERS: &[Entry] = &[
         build: |setup| Box::new(NoOcclusion::new(setup)),
     },
     Entry {
+        name: "forward-em",
+        summary: "the most likely map under the forward model, by EM over what caused each reading",
+        source: "Thrun 2003",
+        kind: Kind::Batch,
+        build: |setup| Box::new(ForwardEm::new(setup)),
+    },
+    Entry {
+        name: "mrf",
+        summary: "the generic solution: a field over the map with exact rays, loopy sum-product",
+        source: "Rachlin et al. 2005",
+        kind: Kind::Batch,
+        build: |setup| Box::new(Mrf::new(setup, Field::TUNED)),
+    },
+    Entry {
         name: "visibility-touched",
         summary: "visibility with edges on no ray left out of the least squares",
         source: "ablation: Eq. (20)",
@@ -130,7 +144,7 @@ pub const MAPPERS: &[Entry] = &[
     },
     Entry {
         name: "perfect",
-        summary: "upper bound: visibility fed noise-free readings",
+        summary: "visibility fed noise-free readings: what the noise costs",
         source: "Eqs. (1)-(7), (18)-(20)",
         kind: Kind::NoiseFree,
         build: |setup| Box::new(Visibility::exact(setup)),

@@ -1,0 +1,226 @@
+//! The oracles of the batch mappers: all 2^9 maps of 3 x 3 cells, with a handful of rays.
+
+use std::sync::Arc;
+
+use grid::{DigitalLine, GridSpec};
+use mapper::catalogue::Setup;
+use mapper::{Field, ForwardEm, Mapper as _, Mrf, Prior, Reconciliation, mrf};
+use proptest::prelude::*;
+use rand::SeedableRng as _;
+use rand_chacha::ChaCha8Rng;
+use sensor::{Pose, Scan, SensorModel as _, Stereo};
+
+/// Cells of half a metre seen by a camera whose noise spans several of them.
+const STEREO: Stereo = Stereo { focal_baseline: 15.0, disparity_sigma: 3.0, correct_match: 0.8, max_disparity: 60.0 };
+
+fn setup(width: usize, height: usize) -> Setup {
+    let grid = GridSpec { cell_m: 0.5, origin_m: [0.0; 2], width, height };
+    let prior = Prior { occupancy: 0.2, ..Prior::default() };
+    Setup { grid, sensor: Arc::new(STEREO), prior, reconciliation: Reconciliation::default() }
+}
+
+/// One ray: x, y, heading, reading.
+type Look = [f64; 4];
+
+fn scan(&[x_m, y_m, theta_rad, reading]: &Look) -> Scan {
+    let pose = Pose { x_m, y_m, theta_rad };
+    Scan { time_s: 0.0, pose, bearings_rad: vec![0.0], readings: vec![Some(reading)] }
+}
+
+/// The rays as an oracle sees them: cells, likelihood of each as the first occupied one, and of none.
+struct Rays(Vec<(Vec<usize>, Vec<f64>, f64)>);
+
+impl Rays {
+    fn new(setup: &Setup, looks: &[Look]) -> Self {
+        let p = setup.prior.occupancy;
+        // P(E_{j+1} | not E_j), from the correlation of Eq. (16).
+        let onset = p * (1.0 - setup.prior.neighbour_correlation(setup.grid.cell_m));
+        let mut line = DigitalLine::default();
+        let rays = looks.iter().map(|look| {
+            let ray = scan(look).rays().next().expect("one ray");
+            line.trace(&setup.grid, ray.origin_m, ray.direction, f64::INFINITY);
+            let mut likelihood = vec![0.0; line.len()];
+            STEREO.likelihood(look[3], 0.0, line.ranges(), &mut likelihood);
+            let from_m = *line.ranges().last().expect("never empty");
+            let chord_m = setup.grid.cell_m / (ray.direction[0].abs() + ray.direction[1].abs());
+            let beyond = mapper::beyond::Beyond { from_m, chord_m, onset };
+            (line.cells().to_vec(), likelihood, mapper::beyond::likelihood(&STEREO, look[3], 0.0, &beyond))
+        });
+        Self(rays.collect())
+    }
+
+    /// Likelihood of all readings given the map whose bits are the cells.
+    fn likelihood(&self, map: u32) -> f64 {
+        let rays = self.0.iter().map(|(cells, likelihood, none)| {
+            cells.iter().position(|&cell| map >> cell & 1 == 1).map_or(*none, |first| likelihood[first])
+        });
+        rays.product()
+    }
+}
+
+/// Product over cells of the prior.
+fn independent_prior(p: f64, cells: usize, map: u32) -> f64 {
+    (0..cells).map(|cell| if map >> cell & 1 == 1 { p } else { 1.0 - p }).product()
+}
+
+/// The field of [`Mrf`]: the prior times `P(a, b) / (P(a) P(b))` for every pair of neighbours.
+fn field(setup: &Setup, coupling: f64, map: u32) -> f64 {
+    let p = setup.prior.occupancy;
+    let cells = setup.grid.cells();
+    let marginal = |on: bool| if on { p } else { 1.0 - p };
+    let mut weight = independent_prior(p, cells, map);
+    for a in 0..cells {
+        for b in setup.grid.neighbours(a).map(|n| n.cell).filter(|&b| b > a) {
+            let (on, other) = (map >> a & 1 == 1, map >> b & 1 == 1);
+            let covariance = coupling * p * (1.0 - p) * if on == other { 1.0 } else { -1.0 };
+            weight *= 1.0 + covariance / (marginal(on) * marginal(other));
+        }
+    }
+    weight
+}
+
+fn marginals(cells: usize, weight: impl Fn(u32) -> f64) -> Vec<f64> {
+    let mut sums = vec![0.0; cells];
+    let mut total = 0.0;
+    for map in 0..1u32 << cells {
+        let weight = weight(map);
+        total += weight;
+        (0..cells).filter(|cell| map >> cell & 1 == 1).for_each(|cell| sums[cell] += weight);
+    }
+    sums.iter().map(|sum| sum / total).collect()
+}
+
+/// Rays from random places of the map in random directions, with readings that need not agree.
+fn random_looks(rng: &mut ChaCha8Rng, rays: usize) -> Vec<Look> {
+    let look = |_| {
+        let heading = std::f64::consts::TAU * rng.random::<f64>();
+        [1.5 * rng.random::<f64>(), 1.5 * rng.random::<f64>(), heading, 8.0 + 40.0 * rng.random::<f64>()]
+    };
+    (0..rays).map(look).collect()
+}
+
+fn looks() -> impl Strategy<Value = Vec<Look>> {
+    let look = (0.0f64..1.5, 0.0f64..1.5, 0.0f64..std::f64::consts::TAU, 4.0f64..60.0);
+    prop::collection::vec(look.prop_map(|(x, y, heading, reading)| [x, y, heading, reading]), 1..12)
+}
+
+fn bits(map: &[bool]) -> u32 {
+    map.iter().enumerate().map(|(cell, &on)| u32::from(on) << cell).sum()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 256, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn em_ends_where_no_flip_helps_and_never_goes_down(looks in looks()) {
+        let setup = setup(3, 3);
+        let mut mapper = ForwardEm::new(&setup);
+        looks.iter().for_each(|look| mapper.integrate(&scan(look)));
+        mapper.settle();
+        let rays = Rays::new(&setup, &looks);
+        let objective = |map: u32| (independent_prior(0.2, 9, map) * rays.likelihood(map)).ln();
+        let map = bits(mapper.map().values());
+        for cell in 0..9 {
+            prop_assert!(objective(map ^ (1 << cell)) <= objective(map) + 2e-6, "cell {cell} of {map:b}");
+        }
+        for pair in mapper.objectives().windows(2) {
+            prop_assert!(pair[1] >= pair[0] - 1e-9, "{:?}", mapper.objectives());
+        }
+        let empty = 9.0 * 0.8f64.ln();
+        prop_assert!((mapper.objectives().last().expect("solved") + empty - objective(map)).abs() < 1e-6);
+        // The residual: each cell with the others as they are.
+        for cell in 0..9 {
+            let [on, off] = [map | 1 << cell, map & !(1 << cell)].map(|map| objective(map).exp());
+            prop_assert!((mapper.occupancy()[cell] - (on / (on + off)).clamp(1e-6, 1.0 - 1e-6)).abs() < 1e-7);
+        }
+    }
+
+    #[test]
+    fn one_ray_on_a_row_of_uncoupled_cells_is_exact(look in (0.0f64..0.5, 2.0f64..60.0), width in 1usize..=10) {
+        let setup = setup(width, 1);
+        let looks = [[look.0, 0.25, 0.0, look.1]];
+        let mut mapper = Mrf::new(&setup, Field { coupling: 0.0, ..Field::TUNED });
+        mapper.integrate(&scan(&looks[0]));
+        mapper.settle();
+        let rays = Rays::new(&setup, &looks);
+        let exact = marginals(width, |map| independent_prior(0.2, width, map) * rays.likelihood(map));
+        for (p, exact) in mapper.occupancy().values().iter().zip(exact) {
+            // What the last sweep may have left, and damping with it.
+            prop_assert!((p - exact).abs() < 1e-4, "{p} {exact}");
+        }
+    }
+
+    #[test]
+    fn rays_of_one_cell_on_a_coupled_row_are_exact(readings in prop::collection::vec(8.0f64..60.0, 8), coupling in 0.0f64..0.9) {
+        // Every camera looks over the upper border: its ray says one thing of one cell, and a chain has no loops.
+        let setup = setup(8, 1);
+        let looks: Vec<Look> = (0..8).map(|x| [0.5 * f64::from(x) + 0.25, 0.1, std::f64::consts::FRAC_PI_2, readings[x as usize]]).collect();
+        let mut mapper = Mrf::new(&setup, Field { coupling, damping: 0.2, sweeps: 200 });
+        looks.iter().for_each(|look| mapper.integrate(&scan(look)));
+        mapper.settle();
+        prop_assert!(mapper.sweeps() < 200);
+        let rays = Rays::new(&setup, &looks);
+        let exact = marginals(8, |map| field(&setup, coupling, map) * rays.likelihood(map));
+        for (p, exact) in mapper.occupancy().values().iter().zip(exact) {
+            prop_assert!((p - exact).abs() < 1e-3, "{p} {exact}");
+        }
+    }
+
+    #[test]
+    fn messages_of_a_ray_are_the_sum_over_all_states(
+        cells in prop::collection::vec((0.001f64..0.999, 0.003f64..1.0), 1..=10), none in 0.003f64..1.0,
+    ) {
+        let (occupied, likelihood): (Vec<f64>, Vec<f64>) = cells.into_iter().unzip();
+        let n = occupied.len();
+        let mut messages = vec![0.0; n];
+        mrf::ray_messages(&occupied, &likelihood, none, &mut messages);
+        for cell in 0..n {
+            let mut sums = [0.0; 2];
+            for map in 0..1u32 << n {
+                let others = (0..n).filter(|&k| k != cell).map(|k| if map >> k & 1 == 1 { occupied[k] } else { 1.0 - occupied[k] });
+                let first = (0..n).find(|&k| map >> k & 1 == 1).map_or(none, |k| likelihood[k]);
+                sums[(map >> cell & 1) as usize] += others.product::<f64>() * first;
+            }
+            prop_assert!((messages[cell] - (sums[1] / sums[0]).ln()).abs() < 1e-11);
+        }
+    }
+}
+
+#[test]
+fn em_finds_the_best_map_nine_times_in_ten() {
+    let setup = setup(3, 3);
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let best = (0..500).filter(|_| {
+        let looks = random_looks(&mut rng, 8);
+        let mut mapper = ForwardEm::new(&setup);
+        looks.iter().for_each(|look| mapper.integrate(&scan(look)));
+        mapper.settle();
+        let rays = Rays::new(&setup, &looks);
+        let objective = |map: u32| (independent_prior(0.2, 9, map) * rays.likelihood(map)).ln();
+        let found = objective(bits(mapper.map().values()));
+        (0..1 << 9).all(|map| objective(map) <= found + 1e-6)
+    });
+    let best = best.count();
+    assert!(best >= 450, "{best} of 500");
+}
+
+#[test]
+fn loopy_beliefs_stay_near_the_exact_marginals() {
+    let setup = setup(3, 3);
+    let mut rng = ChaCha8Rng::seed_from_u64(4);
+    let (mut sum, mut worst, mut cells) = (0.0, 0.0f64, 0.0);
+    for _ in 0..300 {
+        let looks = random_looks(&mut rng, 6);
+        let mut mapper = Mrf::new(&setup, Field::TUNED);
+        looks.iter().for_each(|look| mapper.integrate(&scan(look)));
+        mapper.settle();
+        let rays = Rays::new(&setup, &looks);
+        let exact = marginals(9, |map| field(&setup, Field::TUNED.coupling, map) * rays.likelihood(map));
+        for (p, exact) in mapper.occupancy().values().iter().zip(exact) {
+            sum += (p - exact).abs();
+            worst = worst.max((p - exact).abs());
+            cells += 1.0;
+        }
+    }
+    assert!(sum / cells < 0.02 && worst < 0.3, "mean {} worst {worst}", sum / cells);
+}
