@@ -30,7 +30,7 @@ pub enum Kind {
     Online,
     /// All at once: the map is solved for from every scan so far, see [`Mapper::settle`].
     Batch,
-    /// Online, but fed noise-free readings: a bound on what a map could be, not a rival.
+    /// Online, but fed noise-free readings: it shows what the noise costs, and is no rival.
     NoiseFree,
 }
 
