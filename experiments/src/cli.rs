@@ -2,9 +2,12 @@
 
 use std::path::PathBuf;
 
-use crate::compare::options::CompareOptions;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use mapper::{CorrelationLaw, Prior, Reconciliation};
+
+use crate::compare::options::CompareOptions;
+use crate::ray::RayOptions;
+use crate::sensor_model::SensorOptions;
 
 /// Tells good maps from bad ones: simulates a robot with a stereo camera, maps what it sees by
 /// several rules, and scores the maps against the truth.
@@ -163,57 +166,6 @@ impl Belief {
             Edges::Touched => Reconciliation::Touched,
         }
     }
-}
-
-/// Options of `ray`.
-#[derive(Debug, Args)]
-#[command(after_help = RAY_FILE)]
-pub struct RayOptions {
-    /// near, distant or occluded (Figures 8, 9 and 10), or a ray file
-    #[arg(value_name = "CASE|FILE")]
-    pub ray: PathBuf,
-    /// Folder for table, pictures and record, written whole or not at all [default: results/ray-CASE, none for a file]
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// Form of the answers on stdout: text for reading, csv and json in full precision
-    #[arg(long, value_enum, default_value_t)]
-    pub format: Format,
-}
-
-/// The form of a ray file.
-const RAY_FILE: &str = "A ray file is TOML. Cell k spans k to k + 1 cell sizes from the sensor.
-
-  cells = 12
-  cell_size = 0.05            # m
-  observation = 10.0          # px
-  prior = 0.1                 # 0 to 1, or a list with one per cell
-  correlation = 0.871         # -1 to 1, or a list with one per neighbouring pair; taken
-                              # as it is, whatever the cell size
-  no_hit_likelihood = 0.004   # 1/px; if not given, the prior goes on past the last cell
-                              # with that cell's prior and the last pair's correlation
-  [sensor]                    # the paper's camera where not given
-  focal_baseline = 15.0       # px·m
-  disparity_sigma = 0.5       # px
-  correct_match = 0.8
-  max_disparity = 60.0        # px
-
-Exit codes: 0 done, 1 internal or I/O error, 2 usage or bad input, 3 a claim does not hold, 130 Ctrl-C.";
-
-/// Options of `sensor`.
-#[derive(Debug, Args)]
-pub struct SensorOptions {
-    /// Scene file whose camera is shown
-    #[arg(value_name = "SCENE", default_value = "scenes/room.toml")]
-    pub scene: PathBuf,
-    /// Range in metres of the obstacle whose readings Figure 6 shows [default: where the disparity is a sixth of the search range]
-    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive)]
-    pub range: Option<f64>,
-    /// Folder for tables, pictures and record, written whole or not at all
-    #[arg(long, value_name = "DIR", default_value = "results/sensor")]
-    pub out: PathBuf,
-    /// Form of the table on stdout
-    #[arg(long, value_enum, default_value_t)]
-    pub format: Format,
 }
 
 /// Options of `check` and `estimate`.

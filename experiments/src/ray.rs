@@ -5,20 +5,22 @@ mod cases;
 pub mod certainty;
 pub mod file;
 mod no_hit;
+mod options;
 mod viewing_ray;
 mod views;
 
 pub use answer::{Answer, Answers};
 pub use cases::{Case, NAMES, find};
+pub use options::RayOptions;
 pub use viewing_ray::{MOST_CELLS, ViewingRay, both};
 
 use std::io::{self, Write as _};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde_json::json;
 
 use crate::claims::{self, Claim};
-use crate::cli::{Format, RayOptions};
+use crate::cli::Format;
 use crate::failure::Failure;
 use crate::record::versions;
 use crate::staging::{RECORD, Staging};
@@ -59,7 +61,7 @@ pub fn run(options: &RayOptions) -> Result<(), Failure> {
 }
 
 /// Reads a ray file; a name that is neither a file nor a case says what there is.
-fn load(path: &PathBuf, name: &str) -> Result<ViewingRay, Failure> {
+fn load(path: &Path, name: &str) -> Result<ViewingRay, Failure> {
     if !path.exists() && path.extension().is_none() {
         let nearest = NAMES.iter().max_by(|a, b| strsim::jaro(a, name).total_cmp(&strsim::jaro(b, name)));
         return Err(Failure::BadInput(format!(
@@ -74,7 +76,7 @@ fn load(path: &PathBuf, name: &str) -> Result<ViewingRay, Failure> {
 fn text(name: &str, case: Option<&Case>, ray: &ViewingRay, answers: &Answers, claims: &[Claim]) -> String {
     let mut text = String::new();
     if let Some(case) = case {
-        text += &format!("{}. {}\n\n", case.figure, case.about);
+        text += &format!("{}: {}\n\n", case.figure, case.about);
     }
     text += &views::text(name, ray, answers);
     for claim in claims {
@@ -97,7 +99,7 @@ struct Outputs<'a> {
 impl Outputs<'_> {
     fn write(&self, mut staging: Staging) -> Result<(), Failure> {
         let Self { name, case, ray, answers, .. } = self;
-        let about = case.map_or_else(|| (*name).to_owned(), |case| format!("{}. {}", case.figure, case.about));
+        let about = case.map_or_else(|| (*name).to_owned(), |case| format!("{}: {}", case.figure, case.about));
         let toml = file::text(ray, &about);
         staging.write("ray.toml", |out| out.write_all(toml.as_bytes()))?;
         let csv = views::csv(ray, answers, false)?;
@@ -118,7 +120,7 @@ impl Outputs<'_> {
             "command": "ray",
             "configuration": {
                 "ray": name,
-                "about": case.map(|case| format!("{}. {}", case.figure, case.about.replace('\n', " "))),
+                "about": case.map(|case| format!("{}: {}", case.figure, case.about.replace('\n', " "))),
                 "cells": ray.cells(),
                 "cell_size": ray.cell_size_m,
                 "observation": ray.observation_px,

@@ -1,23 +1,21 @@
 //! What a reading of a scene's camera says of range: the paper's Section 3.1, Figures 6 and 7.
 
+mod options;
+mod outputs;
+
+pub use options::SensorOptions;
+
 use std::io::{self, Write as _};
 
 use scene::Scene;
 use sensor::{SensorModel as _, Stereo};
-use serde_json::json;
 
 use crate::claims::{self, Claim};
-use crate::cli::{Format, SensorOptions};
+use crate::cli::Format;
 use crate::failure::Failure;
-use crate::figures;
-use crate::figures::kernel::Kernel;
 use crate::interruption;
-use crate::record::versions;
-use crate::staging::{RECORD, Staging};
+use crate::staging::Staging;
 use crate::table::{self, Table, aligned, rounded};
-
-/// Points of the curve of Figure 6 and rows of Figure 7.
-const DISPARITIES: usize = 600;
 
 /// At most so many columns of Figure 7.
 const MOST_COLUMNS: usize = 900;
@@ -130,10 +128,9 @@ impl View {
                 holds: off(&point) <= ROUNDING,
             },
             Claim {
-                claim: "Figure 7: every column integrates to one, less the correct matches that leave the search range"
-                    .to_owned(),
+                claim: "Figure 7: every column integrates to one, less the matches it loses".to_owned(),
                 measured: format!(
-                    "off by at most {worst:.1e} of {ROUNDING:e} allowed; {whole} of {} columns lose no match",
+                    "off by at most {worst:.1e}, allowed are {ROUNDING:e}; {whole} of {} columns lose none",
                     columns.len()
                 ),
                 holds: worst <= ROUNDING,
@@ -162,7 +159,7 @@ impl View {
     fn text(&self, name: &str, table: &Table, claims: &[Claim]) -> String {
         let s = &self.stereo;
         let mut text = format!(
-            "{name}: {} px·m, standard deviation {} px, correct matches {}, search range 0 to {} px\n\n",
+            "{name}: {} px·m, sigma {} px, correct matches {}, search range 0 to {} px\n\n",
             s.focal_baseline, s.disparity_sigma, s.correct_match, s.max_disparity
         );
         let shown = |value: &serde_json::Value| {
@@ -176,67 +173,5 @@ impl View {
             text += &format!("\n{verdict}  {}:\n       {}", claim.claim, claim.measured);
         }
         text + "\n"
-    }
-
-    fn write(&self, staging: &mut Staging, scene: &str, claims: &[Claim]) -> Result<(), Failure> {
-        let d = self.stereo.max_disparity;
-        let at = |i: usize| i as f64 * d / DISPARITIES as f64;
-        let curve: Vec<(f64, f64)> =
-            (0..=DISPARITIES).map(|i| (at(i), self.density(at(i), self.range_m, self.range_m))).collect();
-        let floor = (1.0 - self.stereo.correct_match) / d;
-        let mut density = Table::new(&["disparity_px", "density_per_px", "correct_per_px", "false_per_px"]);
-        for &(o, l) in &curve {
-            density.push([o, l, l - floor, floor].map(rounded).to_vec());
-        }
-        staging.write("density.csv", |out| density.write_csv(out).map_err(io::Error::other))?;
-
-        let cells = self.cells();
-        let mut kernel = Table::new(&["range_m", "disparity_px", "density_per_px"]);
-        // Every fifth disparity and at most sixty cells: enough to draw again, few enough to keep.
-        for &(enter, exit) in cells.iter().step_by(cells.len().div_ceil(60)) {
-            for i in (0..=DISPARITIES).step_by(5) {
-                kernel.push([0.5 * (enter + exit), at(i), self.density(at(i), enter, exit)].map(rounded).to_vec());
-            }
-        }
-        staging.write("kernel.csv", |out| kernel.write_csv(out).map_err(io::Error::other))?;
-
-        let title = format!(
-            "Obstacle at {} m, true disparity {} px",
-            rounded(self.range_m),
-            rounded(self.stereo.disparity(self.range_m, 0.0))
-        );
-        let picture = figures::disparity::draw(&title, d, &curve)?;
-        staging.write("density.png", |out| out.write_all(&picture))?;
-        let middle = |i: usize| (i as f64 + 0.5) * d / DISPARITIES as f64;
-        let row = |i: usize| cells.iter().map(|&(enter, exit)| self.density(middle(i), enter, exit)).collect();
-        let far_m = (self.far_m() / self.cell_m).ceil().max(1.0) * self.cell_m;
-        let picture = Kernel { far_m, max_disparity: d, density: (0..DISPARITIES).map(row).collect() };
-        let picture =
-            figures::kernel::draw("P(o | F): density of the reading if the first obstacle is in a cell", &picture)?;
-        staging.write("kernel.png", |out| out.write_all(&picture))?;
-        self.record(staging, scene, claims)
-    }
-
-    fn record(&self, staging: &mut Staging, scene: &str, claims: &[Claim]) -> Result<(), Failure> {
-        let mut files = staging.files();
-        files.push(RECORD.to_owned());
-        files.sort();
-        let record = json!({
-            "schema_version": 1,
-            "command": "sensor",
-            "configuration": {
-                "scene": scene,
-                "range_m": rounded(self.range_m),
-                "cell_m": self.cell_m,
-                "sensor": self.stereo,
-            },
-            "claims": claims,
-            "versions": versions(),
-            "files": files,
-        });
-        staging.write(RECORD, |out| -> io::Result<()> {
-            serde_json::to_writer_pretty(&mut *out, &record)?;
-            writeln!(out)
-        })
     }
 }

@@ -51,7 +51,7 @@ pub fn draw(ray: &ViewingRay, answers: &Answers, bands: &[((usize, usize), &str)
     let posterior = Chart {
         title: "(b) posterior".to_owned(),
         x: cells,
-        y: Axis::linear("probability that the cell is occupied", 0.0..1.0),
+        y: Axis::linear("probability that the cell is occupied", 0.0..1.05),
         bands,
         series: posteriors,
         legend: SeriesLabelPosition::UpperRight,

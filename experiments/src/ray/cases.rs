@@ -47,16 +47,17 @@ pub fn find(name: &str) -> Option<Case> {
         "near" => Some(Case {
             name: "near",
             figure: "Figure 8",
-            about: format!("An unseen world (prior {UNSEEN}, correlation {CORRELATION}) and a reading of 10 px."),
+            about: format!("an unseen world (prior {UNSEEN}, correlation {CORRELATION}) and a reading of 10 px."),
             ray: ViewingRay::new(10.0, vec![UNSEEN; 60], CORRELATION),
         }),
         "distant" => Some(Case {
             name: "distant",
             figure: "Figure 9",
             about: format!(
-                "Cells 95 to 110 were found occupied with {PLATEAU}, falling to {UNSEEN} over {RAMP} cells on either side;\n\
-                 the rest is unseen (prior {UNSEEN}, correlation {CORRELATION} throughout). A reading of 3 px with a\n\
-                 standard deviation of 0.5 px, which is 4.3 to 6 m, cells 86 to 120: wider than the obstacle."
+                "cells 95 to 110 were found occupied with {PLATEAU}, falling to {UNSEEN} over\n\
+                 {RAMP} cells on either side; the rest is unseen (prior {UNSEEN}, correlation {CORRELATION}\n\
+                 throughout). A reading of 3 px with a standard deviation of 0.5 px, which is\n\
+                 4.3 to 6 m, cells 86 to 120: wider than the obstacle."
             ),
             ray: ViewingRay::new(3.0, (0..160).map(found).collect(), CORRELATION),
         }),
@@ -64,8 +65,9 @@ pub fn find(name: &str) -> Option<Case> {
             name: "occluded",
             figure: "Figure 10",
             about: format!(
-                "An obstacle of 40 cm, cells {OBVIOUS_AT} to {}, each occupied with {OBVIOUS}; the rest is unseen (prior\n\
-                 {UNSEEN}, correlation {CORRELATION} throughout). A reading of 1 px, which is 10 to 30 m, cells 200 to 600.",
+                "an obstacle of 40 cm, cells {OBVIOUS_AT} to {}, each occupied with {OBVIOUS};\n\
+                 the rest is unseen (prior {UNSEEN}, correlation {CORRELATION} throughout). A reading of\n\
+                 1 px, which is 10 to 30 m, cells 200 to 600.",
                 OBVIOUS_AT + OBSTACLE - 1
             ),
             ray: hidden(OBVIOUS, UNSEEN),

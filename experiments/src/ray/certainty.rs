@@ -68,10 +68,9 @@ pub fn claims(curve: &[Point]) -> Vec<Claim> {
         curve.iter().find(enough).map_or_else(|| "more than 0.99999".to_owned(), |p| p.certainty.to_string())
     };
     vec![Claim {
-        claim: "visibility: the more certain the obstacle (from 0.9 on), the less it and what is behind it change"
-            .to_owned(),
+        claim: "visibility: the surer the obstacle (from 0.9 on), the less changes".to_owned(),
         measured: format!(
-            "less than {UNCHANGED} from a certainty of {}; where the space in front was seen to be free, of {}",
+            "below {UNCHANGED} from {} on; from {} where the space in front is seen free",
             needed(IN_FRONT[0]),
             needed(IN_FRONT[1])
         ),

@@ -141,7 +141,7 @@ fn every_refusal_says_where_what_and_what_to_do() {
         (
             "",
             "[sensor]\nfocal_base = 1",
-            "r.toml:7:1: [sensor]: unknown key `focal_base`; known keys: focal_baseline, disparity_sigma, correct_match, max_disparity",
+            "r.toml:7:1: [sensor]: unknown key `focal_base` (did you mean `focal_baseline`?); known keys: focal_baseline, disparity_sigma, correct_match, max_disparity",
         ),
         (
             "",

@@ -1,0 +1,24 @@
+//! The command line of `sensor`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::cli::{Format, positive};
+
+/// Options of `sensor`.
+#[derive(Debug, Args)]
+pub struct SensorOptions {
+    /// Scene file whose camera is shown
+    #[arg(value_name = "SCENE", default_value = "scenes/room.toml")]
+    pub scene: PathBuf,
+    /// Range in metres of the obstacle whose readings Figure 6 shows [default: where the disparity is a sixth of the search range]
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive)]
+    pub range: Option<f64>,
+    /// Folder for tables, pictures and record, written whole or not at all
+    #[arg(long, value_name = "DIR", default_value = "results/sensor")]
+    pub out: PathBuf,
+    /// Form of the table on stdout
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
