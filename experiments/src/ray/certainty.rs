@@ -70,7 +70,7 @@ pub fn claims(curve: &[Point]) -> Vec<Claim> {
     vec![Claim {
         claim: "visibility: the surer the obstacle (from 0.9 on), the less changes".to_owned(),
         measured: format!(
-            "below {UNCHANGED} from {} on; from {} where the space in front is seen free",
+            "below {UNCHANGED} from {} on; from {} where the front is seen free",
             needed(IN_FRONT[0]),
             needed(IN_FRONT[1])
         ),

@@ -77,7 +77,8 @@ pub(super) fn csv(ray: &ViewingRay, answers: &Answers, full: bool) -> Result<Vec
 
 /// The answers for reading: what every rule makes of the ray as a whole, and the cells, thinned where they are many.
 pub(super) fn text(name: &str, ray: &ViewingRay, answers: &Answers) -> String {
-    let mut text = format!("{name}: {} cells of {} m, reading {} px", ray.cells(), ray.cell_size_m, ray.observation_px);
+    let cells = if ray.cells() == 1 { "1 cell".to_owned() } else { format!("{} cells", ray.cells()) };
+    let mut text = format!("{name}: {cells} of {} m, reading {} px", ray.cell_size_m, ray.observation_px);
     let range = ray.stereo.range(ray.observation_px, 0.0);
     let at = (range / ray.cell_size_m).floor();
     let _ = match range.is_finite() {
@@ -91,6 +92,9 @@ pub(super) fn text(name: &str, ray: &ViewingRay, answers: &Answers) -> String {
         vec![mapper.to_owned(), evidence, format!("{by:+.4}"), changed.to_string()]
     });
     text += &aligned(&["mapper", "evidence, 1/px", "largest change of a posterior", "in cell"], &summary);
+    if answers.visibility.evidence == Some(0.0) {
+        text += "\nno state of the ray explains the reading: the posterior is the prior\n";
+    }
     let cells = shown(ray, answers);
     if cells.len() < ray.cells() {
         let _ = writeln!(text, "\n{} of {} cells (--format csv gives all)", cells.len(), ray.cells());
