@@ -91,3 +91,22 @@ impl RayPosterior {
         self.first = chain.occupied(0);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::exact;
+
+    #[test]
+    fn cells_that_are_certain_stay_so() {
+        // Free, unknown, occupied, unknown: the joints follow from the marginals alone.
+        let chain = Chain::new(vec![0.0, 0.3, 1.0, 0.2], vec![0.0, 0.3, 0.2]);
+        let mut out = RayPosterior::default();
+        exact::posterior(&chain, &[0.5, 0.2, 0.1, 0.7], 0.3, &mut out);
+        let second = 0.3 * 0.2 / (0.3 * 0.2 + 0.7 * 0.1);
+        for (p, expected) in out.marginals().iter().zip([0.0, second, 1.0, 0.2]) {
+            assert!((p - expected).abs() < 1e-15, "{p} {expected}");
+        }
+        assert!((out.evidence - (0.3 * 0.2 + 0.7 * 0.1)).abs() < 1e-15);
+    }
+}

@@ -184,3 +184,24 @@ impl Chart {
             .map_err(Failure::internal)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_of_a_logarithmic_axis_are_powers_of_ten() {
+        let axis = Axis::logarithmic("", 1e-5..10.0);
+        assert_eq!(axis.ticks(), 7);
+        let shown: Vec<String> = [-5.0, -3.0, -0.5, 0.0, 1.0].map(|at| axis.tick(at)).to_vec();
+        assert_eq!(shown, ["1e-5", "0.001", "", "1", "10"]);
+        assert!((axis.at(0.01) + 2.0).abs() < 1e-12);
+        assert!((axis.at(0.0) + 5.0).abs() < 1e-12 && (axis.at(1e9) - 1.0).abs() < 1e-12, "held within");
+    }
+
+    #[test]
+    fn ticks_of_a_linear_axis_have_no_rounding_noise() {
+        let axis = Axis::linear("", 0.0..1.0);
+        assert_eq!([0.1 + 0.2, 1.0].map(|at| axis.tick(at)), ["0.3", "1"]);
+    }
+}

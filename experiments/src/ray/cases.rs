@@ -197,3 +197,30 @@ fn occluded(visibility: &Changes, conventional: &Changes) -> Vec<Claim> {
         conventional.rises("conventional", (200, 560), KEPT),
     ]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_claims_hold_and_would_not_with_the_rules_exchanged() {
+        for name in NAMES {
+            let case = find(name).expect("a case");
+            let answers = Answers::of(&case.ray);
+            assert!(case.claims(&answers).iter().all(|claim| claim.holds), "{name}");
+            let exchanged = Answers {
+                visibility: answers.conventional.clone(),
+                conventional: answers.visibility.clone(),
+                ..answers
+            };
+            assert!(case.claims(&exchanged).iter().any(|claim| !claim.holds), "{name}");
+        }
+    }
+
+    #[test]
+    fn the_prior_of_distant_is_high_where_the_paper_says() {
+        for (cell, expected) in [(0, 0.1), (90, 0.1), (91, 0.26), (95, 0.9), (110, 0.9), (114, 0.26), (115, 0.1)] {
+            assert!((found(cell) - expected).abs() < 1e-12, "cell {cell}");
+        }
+    }
+}
