@@ -29,9 +29,10 @@ pub(super) fn json(viewer: &Viewer, budget: usize) -> Option<String> {
     loop {
         let coded: Vec<Value> = worlds.iter().map(world).collect();
         let text = json!({ "step": STEP, "thinned": thinned, "worlds": coded }).to_string();
+        // So that no name in it can end the script element that holds it.
+        let text = text.replace('<', "\\u003c");
         if text.len() <= budget {
-            // So that no name in it can end the script element that holds it.
-            return Some(text.replace('<', "\\u003c"));
+            return Some(text);
         }
         thinned = true;
         let before: usize = worlds.iter().map(|world| world.moments.len()).sum();

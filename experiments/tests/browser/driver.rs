@@ -13,14 +13,14 @@ use tempfile::TempDir;
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// Keys of the keyboard that are no letters.
-pub const LEFT: &str = "\u{e012}";
-pub const UP: &str = "\u{e013}";
-pub const RIGHT: &str = "\u{e014}";
-pub const DOWN: &str = "\u{e015}";
-pub const ESCAPE: &str = "\u{e00c}";
+pub(crate) const LEFT: &str = "\u{e012}";
+pub(crate) const UP: &str = "\u{e013}";
+pub(crate) const RIGHT: &str = "\u{e014}";
+pub(crate) const DOWN: &str = "\u{e015}";
+pub(crate) const ESCAPE: &str = "\u{e00c}";
 
 /// A browser window. Both programs end with it.
-pub struct Browser {
+pub(crate) struct Browser {
     process: Child,
     session: String,
     agent: ureq::Agent,
@@ -32,7 +32,7 @@ impl Browser {
     ///
     /// # Panics
     /// Without chromium and chromedriver: on Debian `apt-get install chromium chromium-driver`.
-    pub fn start() -> Self {
+    pub(crate) fn start() -> Self {
         let port = TcpListener::bind("127.0.0.1:0").and_then(|free| free.local_addr()).expect("a free port").port();
         let mut process = Command::new("chromedriver")
             .arg(format!("--port={port}"))
@@ -60,7 +60,7 @@ impl Browser {
     }
 
     /// Sends a command and gives the value of the answer.
-    pub fn post(&self, path: &str, body: &Value) -> Value {
+    pub(crate) fn post(&self, path: &str, body: &Value) -> Value {
         let answer = self.agent.post(format!("{}{path}", self.session)).send_json(body);
         let answer: Value = answer.and_then(|mut a| a.body_mut().read_json()).expect("chromedriver answers");
         let value = answer["value"].clone();
@@ -69,18 +69,18 @@ impl Browser {
     }
 
     /// Opens a page from the file system, and waits until its viewer is ready.
-    pub fn open(&self, page: &Path, fragment: &str) {
+    pub(crate) fn open(&self, page: &Path, fragment: &str) {
         self.post("/url", &json!({ "url": format!("file://{}{fragment}", page.display()) }));
         self.ready();
     }
 
     /// Waits until the viewer has unpacked what was chosen.
-    pub fn ready(&self) {
+    pub(crate) fn ready(&self) {
         self.wait("document.getElementById('viewer').getAttribute('aria-busy') === 'false'");
     }
 
     /// Waits until an expression is true.
-    pub fn wait(&self, expression: &str) {
+    pub(crate) fn wait(&self, expression: &str) {
         let start = Instant::now();
         while self.get(expression) != json!(true) {
             assert!(start.elapsed() < PATIENCE, "never true: {expression}");
@@ -89,12 +89,12 @@ impl Browser {
     }
 
     /// The value of an expression in the page.
-    pub fn get(&self, expression: &str) -> Value {
+    pub(crate) fn get(&self, expression: &str) -> Value {
         self.post("/execute/sync", &json!({ "script": format!("return {expression};"), "args": [] }))
     }
 
     /// The text of the first element that a CSS selector finds.
-    pub fn text(&self, selector: &str) -> String {
+    pub(crate) fn text(&self, selector: &str) -> String {
         let text = self.get(&format!("document.querySelector({}).textContent", json!(selector)));
         text.as_str().unwrap_or_else(|| panic!("{selector}: {text}")).to_owned()
     }
@@ -106,35 +106,35 @@ impl Browser {
     }
 
     /// Clicks on an element; on an option to choose it.
-    pub fn click(&self, selector: &str) {
+    pub(crate) fn click(&self, selector: &str) {
         self.post(&format!("/element/{}/click", self.element(selector)), &json!({}));
     }
 
     /// Chooses from a list of the viewer.
-    pub fn choose(&self, list: &str, value: &str) {
+    pub(crate) fn choose(&self, list: &str, value: &str) {
         self.click(&format!("#viewer-{list} option[value={}]", json!(value)));
         self.ready();
     }
 
     /// Gives an element the focus and presses keys on it.
-    pub fn press(&self, selector: &str, keys: &str) {
+    pub(crate) fn press(&self, selector: &str, keys: &str) {
         self.post(&format!("/element/{}/value", self.element(selector)), &json!({ "text": keys }));
     }
 
     /// Moves the pointer to a point of an element, px from its centre.
-    pub fn hover(&self, selector: &str, x: i64, y: i64) {
+    pub(crate) fn hover(&self, selector: &str, x: i64, y: i64) {
         let origin = json!({ "element-6066-11e4-a52e-4f735466cecf": self.element(selector) });
         let step = json!({ "type": "pointerMove", "duration": 0, "origin": origin, "x": x, "y": y });
         self.post("/actions", &json!({ "actions": [{ "type": "pointer", "id": "mouse", "actions": [step] }] }));
     }
 
     /// Speaks to the browser itself (Chrome DevTools Protocol).
-    pub fn devtools(&self, command: &str, parameters: &Value) {
+    pub(crate) fn devtools(&self, command: &str, parameters: &Value) {
         self.post("/goog/cdp/execute", &json!({ "cmd": command, "params": parameters }));
     }
 
     /// What the browser noted since it was last asked: `browser` for the console, `performance` for the network.
-    pub fn notes(&self, kind: &str) -> Vec<Value> {
+    pub(crate) fn notes(&self, kind: &str) -> Vec<Value> {
         self.post("/se/log", &json!({ "type": kind })).as_array().cloned().unwrap_or_default()
     }
 }
