@@ -21,7 +21,7 @@ use crate::failure::Failure;
 /// pictures and tables need room too. What would be larger shows fewer moments, and says so.
 pub const VIEWER_BYTES: usize = 7_000_000;
 
-/// Everything a page shows, from top to bottom.
+/// Everything a page shows.
 #[derive(Debug, Default)]
 pub struct Page {
     /// What the page is about: its heading, and its title in the browser.
@@ -50,6 +50,7 @@ struct Filled<'a> {
     script: &'static str,
     viewer: Option<String>,
     left_out: bool,
+    failed: usize,
 }
 
 impl Filled<'_> {
@@ -66,6 +67,7 @@ pub fn page(page: &Page) -> Result<String, Failure> {
     let viewer = page.viewer.as_ref().and_then(|viewer| encoding::json(viewer, VIEWER_BYTES));
     let filled = Filled {
         left_out: page.viewer.is_some() && viewer.is_none(),
+        failed: page.claims.iter().filter(|claim| !claim.holds).count(),
         page,
         style: include_str!("../templates/report.css"),
         script: concat!(

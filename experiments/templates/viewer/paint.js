@@ -86,8 +86,10 @@ function route(pen, scene, at) {
   const way = scene.world.route.slice(0, scene.world.moments[scene.moment].scans);
   pen.beginPath();
   way.forEach(([x, y], i) => (i ? pen.lineTo(...at(x, y)) : pen.moveTo(...at(x, y))));
-  Object.assign(pen, { strokeStyle: "rgb(0 114 178 / 55%)", lineWidth: 1.5 });
-  pen.stroke();
+  for (const [colour, width] of [["rgb(255 255 255 / 50%)", 3], ["rgb(0 114 178 / 65%)", 1.5]]) {
+    Object.assign(pen, { strokeStyle: colour, lineWidth: width });
+    pen.stroke();
+  }
 }
 
 /** A disc with a line where the camera looks. */

@@ -19,7 +19,7 @@ const REGIONS = [["observable", "what could be seen so far"], ["visible", "free 
   ["surface", "obstacles seen so far"], ["shell", "just behind what was seen"], ["hidden", "the rest"],
   ["all", "every cell whose truth is known"]];
 
-/** Shown in this order, where the page can compute them between stages; others at the ends of stages. */
+/** @param {number|null|undefined} value @returns {string} */
 const digits = (value) => (value === null || value === undefined ? "–" : value.toFixed(4));
 
 /** @param {HTMLSelectElement} select @param {[string, string][]} options value and text @param {string} value */
@@ -56,9 +56,13 @@ function offer() {
   chosen.moment = Math.min(chosen.moment, world.moments.length - 1);
 }
 
+/** Counts choices: what was asked for first may be unpacked last. */
+let choices = 0;
+
 /** Reads the lists, unpacks what they ask for, and shows it. */
 async function choose() {
   const section = element("viewer");
+  const choice = ++choices;
   section.setAttribute("aria-busy", "true");
   for (const key of ["mapper", "beside", "region"]) chosen[key] = element(`viewer-${key}`).value;
   const world = DATA.worlds[chosen.world];
@@ -69,7 +73,7 @@ async function choose() {
       const mapper = world.mappers.find((m) => m.name === name) ?? null;
       return { name, canvas: element(id), mapper, maps: mapper ? await mapsOf(world, mapper) : [] };
     }));
-    if (world !== DATA.worlds[chosen.world]) return; // chosen anew meanwhile, and shown by that
+    if (choice !== choices) return;
     shown = { world, ground, panels };
     show();
   } catch (error) {
@@ -108,9 +112,11 @@ function show() {
   const most = ground.looks.at(-1).reduce((a, b) => Math.max(a, b), 1);
   const scene = { world, ground, moment: chosen.moment, view: chosen.view, step: DATA.step, most,
     inside: insideRegion(), cursor: chosen.cursor };
-  element("viewer-maps").classList.toggle("one", panels.length === 1);
-  element("viewer-right").closest("figure").hidden = panels.length === 1;
-  for (const panel of panels) {
+  // Where rays have looked is the same for every mapper.
+  const drawn = chosen.view === "looks" ? panels.slice(0, 1) : panels;
+  element("viewer-maps").classList.toggle("one", drawn.length === 1);
+  element("viewer-right").closest("figure").hidden = drawn.length === 1;
+  for (const panel of drawn) {
     paint(panel.canvas, scene, codesOf(panel));
     panel.canvas.closest("figure").querySelector("figcaption").textContent = titleOf(panel);
   }
@@ -123,6 +129,7 @@ function show() {
 
 /** @param {Panel} panel */
 function titleOf(panel) {
+  if (chosen.view === "looks") return "rays that have looked so far";
   if (!panel.mapper) return "truth";
   const every = panel.mapper.moments.length === shown.world.moments.length;
   const frame = frameAt(panel, chosen.moment);
