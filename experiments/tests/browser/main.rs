@@ -270,12 +270,63 @@ fn views_and_regions_change_the_picture_and_the_address_keeps_them() {
     browser.choose("mapper", "conventional");
     let now = pixels(&browser, "viewer-left");
     assert!(!seen.contains(&now), "another mapper has another map");
-    // A wall that the map knows is right, a cell in the open held occupied is not: colours say which.
     let address = browser.get("location.hash");
     browser.post("/url", &json!({ "url": "about:blank" }));
     browser.open(&results.page(), address.as_str().expect("text"));
     assert_eq!(browser.get("document.getElementById('viewer-mapper').value"), "conventional");
     assert_eq!(pixels(&browser, "viewer-left"), now);
+}
+
+/// Red, green and blue in the middle of every cell of the map on the left, in index order.
+fn colours(browser: &Browser) -> Vec<[i64; 3]> {
+    let [width, height] = SIZE;
+    let script = format!(
+        "(() => {{ const map = document.getElementById('viewer-left'), all = map.getContext('2d').getImageData(0, 0, map.width, map.height).data;
+            return [...Array({width} * {height}).keys()].map((cell) => {{
+                const x = Math.floor((cell % {width} + 0.5) * map.width / {width});
+                const y = map.height - 1 - Math.floor((Math.floor(cell / {width}) + 0.5) * map.height / {height});
+                return [...all.slice(4 * (y * map.width + x), 4 * (y * map.width + x) + 3)];
+            }}); }})()"
+    );
+    serde_json::from_value(browser.get(&script)).expect("three numbers per cell")
+}
+
+#[test]
+fn colours_say_what_the_files_hold() {
+    let results = Results::new();
+    let (truth, map) = (results.npy("truth.npy"), results.npy("conventional-back.npy"));
+    let browser = Browser::start();
+    browser.open(&results.page(), "");
+    browser.choose("mapper", "conventional");
+    browser.choose("region", "all");
+    // Lines are drawn over the way of the robot and around X: cells above and below are free of them.
+    let clear = |cell: &usize| !(6..15).contains(&(cell / SIZE[0]));
+    let cells: Vec<usize> = (0..SIZE[0] * SIZE[1]).filter(clear).collect();
+    let mut checked = [0; 5];
+    let mut check = |what: usize, holds: bool, cell: usize| {
+        checked[what] += 1;
+        assert!(holds, "case {what}, cell {cell}: p {}, truth {}", map[cell], truth[cell]);
+    };
+    let grey = colours(&browser);
+    browser.click("input[value=truth]");
+    let overlay = colours(&browser);
+    browser.click("input[value=error]");
+    let error = colours(&browser);
+    for &cell in &cells {
+        let [red, _, blue] = error[cell];
+        match map[cell] {
+            p if p > 0.95 => check(0, grey[cell][0] < 80, cell),
+            p if p < 0.02 => check(1, grey[cell][0] > 235, cell),
+            _ => {}
+        }
+        match map[cell] - truth[cell] {
+            e if e > 0.3 => check(2, red > blue + 30, cell),
+            e if e < -0.3 => check(3, blue > red + 30, cell),
+            _ => {}
+        }
+        check(4, (overlay[cell][2] > overlay[cell][0] + 50) == (truth[cell] > 0.5), cell);
+    }
+    assert!(checked.iter().all(|count| *count > 5), "every case occurs: {checked:?}");
 }
 
 /// Contrast of text with what is behind it (WCAG 2.2), the least over the page.
