@@ -132,3 +132,47 @@ impl<'a> Climb<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::catalogue::Setup;
+    use crate::{Prior, Reconciliation};
+    use grid::GridSpec;
+    use sensor::{Pose, Scan, Stereo};
+    use std::sync::Arc;
+
+    /// Rays from everywhere over 6 x 5 cells.
+    fn readings() -> Readings {
+        let grid = GridSpec { cell_m: 0.2, origin_m: [0.0; 2], width: 6, height: 5 };
+        let reconciliation = Reconciliation::default();
+        let setup = Setup { grid, sensor: Arc::new(Stereo::default()), prior: Prior::default(), reconciliation };
+        let mut readings = Readings::new(&setup);
+        for i in 0..40 {
+            let turn = f64::from(i);
+            let pose = Pose { x_m: 0.6 + 0.5 * turn.sin(), y_m: 0.5 + 0.4 * (1.7 * turn).cos(), theta_rad: 2.4 * turn };
+            readings.add(&Scan { time_s: 0.0, pose, bearings_rad: vec![0.0], readings: vec![Some(20.0)] });
+        }
+        readings
+    }
+
+    #[test]
+    fn gains_kept_flip_by_flip_are_those_of_the_map() {
+        let readings = readings();
+        let values = |phase: f64| {
+            let worth = |entry: usize| 4.0 * (entry as f64 * 12.9898 + phase).sin();
+            let entry = (0..readings.cells().len()).map(worth).collect();
+            Values { entry, none: (0..readings.rays()).map(|ray| worth(ray) - 2.0).collect() }
+        };
+        let mut climb = Climb::new(&readings, 30, -1.0);
+        climb.climb(&values(0.0), 1000);
+        let before = climb.occupied().to_vec();
+        assert!(climb.climb(&values(2.0), 1000) > 1, "other values, another map");
+        assert!(before.iter().zip(climb.occupied()).any(|(before, now)| *before && !now), "some cell is cleared");
+        let kept = climb.gain().to_vec();
+        climb.climb(&values(2.0), 0); // counts anew
+        for (cell, (kept, counted)) in kept.iter().zip(climb.gain()).enumerate() {
+            assert!((kept - counted).abs() < 1e-9, "cell {cell}: {kept} {counted}");
+        }
+    }
+}
