@@ -81,3 +81,57 @@ pub fn page(page: &Page) -> Result<String, Failure> {
     };
     filled.render().map_err(Failure::internal)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_come_in_order_verdicts_have_a_class_and_text_is_escaped() {
+        let verdict = |text: &str, tone| Cell { text: text.to_owned(), tone };
+        let sheet = || Sheet {
+            caption: "Against <visibility>".to_owned(),
+            heads: vec!["mapper".to_owned(), "verdict".to_owned()],
+            rows: vec![
+                vec!["conventional".into(), verdict("worse", Tone::Bad)],
+                vec!["a & b".into(), verdict("equivalent", Tone::Even)],
+            ],
+            ..Sheet::default()
+        };
+        let picture = Picture { name: "p.png".to_owned(), caption: "Lines".to_owned(), bytes: vec![1, 2, 3] };
+        let claim = |claim: &str, holds| Claim { claim: claim.to_owned(), measured: "1 against 2".to_owned(), holds };
+        let filled = Page {
+            title: "Comparison".to_owned(),
+            claims: vec![claim("first", true), claim("second", false)],
+            sections: vec![Section {
+                heading: "Results".to_owned(),
+                lead: "Read it so.".to_owned(),
+                parts: vec![
+                    Part::Sheet(sheet()),
+                    Part::Picture(picture),
+                    Part::Fold { summary: "More".to_owned(), open: false, parts: vec![sheet()] },
+                ],
+            }],
+            ..Page::default()
+        };
+        let html = page(&filled).expect("rendered");
+        let mut rest = html.as_str();
+        for expected in [
+            "<span class=\"bad\">1 of 2 claims fail</span>",
+            "<td class=\"bad\">fails</td>",
+            "<h2>Results</h2>",
+            "Read it so.",
+            "Against &#60;visibility&#62;",
+            "<td class=\"bad\">worse</td>",
+            "a &#38; b",
+            "<td class=\"even\">equivalent</td>",
+            "data:image/png;base64,AQID",
+            "<details><summary>More</summary>",
+            "<td class=\"bad\">worse</td>",
+        ] {
+            let at = rest.find(expected).unwrap_or_else(|| panic!("{expected} is missing or out of order"));
+            rest = &rest[at + expected.len()..];
+        }
+        assert!(!html.contains("<script"), "without maps there is nothing to run");
+    }
+}
