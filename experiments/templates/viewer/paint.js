@@ -1,8 +1,9 @@
 // Draws one map: cells pixel by pixel, then regions, route, robot and cursor as lines.
 
 /**
+ * @typedef {{column: number, row: number, columns: number, rows: number}} Box cells that are drawn, from the lower left one
  * @typedef {{world: World, ground: Ground, moment: number, view: string, step: number, most: number,
- *   inside: (cell: number) => boolean, cursor: number|null}} Scene
+ *   inside: (cell: number) => boolean, cursor: number|null, box: Box}} Scene
  */
 
 /** @param {number} p @returns {number} */
@@ -41,28 +42,32 @@ function cellImage(scene, codes) {
 }
 
 /** Fits the canvas to its width on the page, one backing pixel per device pixel. @param {HTMLCanvasElement} canvas */
-function fit(canvas, world) {
+function fit(canvas, box) {
   const width = Math.max(Math.round(canvas.clientWidth * (window.devicePixelRatio || 1)), 1);
-  const height = Math.max(Math.round((width * world.height) / world.width), 1);
+  const height = Math.max(Math.round((width * box.rows) / box.columns), 1);
   if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
 }
 
 /** @param {HTMLCanvasElement} canvas @param {Scene} scene @param {Int16Array|null} codes */
 function paint(canvas, scene, codes) {
-  const { world } = scene;
-  fit(canvas, world);
+  const { world, box } = scene;
+  fit(canvas, box);
   const cells = new OffscreenCanvas(world.width, world.height);
   cells.getContext("2d").putImageData(cellImage(scene, codes), 0, 0);
   const pen = canvas.getContext("2d");
   pen.imageSmoothingEnabled = false;
-  pen.drawImage(cells, 0, 0, canvas.width, canvas.height);
-  const scale = canvas.width / world.width;
+  const top = world.height - box.row - box.rows;
+  pen.drawImage(cells, box.column, top, box.columns, box.rows, 0, 0, canvas.width, canvas.height);
+  const scale = canvas.width / box.columns;
   const at = (x_m, y_m) => [((x_m - world.origin_m[0]) / world.cell_m) * scale,
     canvas.height - ((y_m - world.origin_m[1]) / world.cell_m) * scale];
+  pen.save();
+  pen.translate(-box.column * scale, box.row * scale);
   for (const mask of scene.ground.regions.values()) outline(pen, world, mask, scale, canvas.height);
   route(pen, scene, at);
   robot(pen, scene, at, scale);
   if (scene.cursor !== null) cursor(pen, world, scene.cursor, scale, canvas.height);
+  pen.restore();
 }
 
 /** Lines between the cells of a region and the others. */

@@ -8,7 +8,7 @@ const element = (id) => document.getElementById(id);
 
 /** What is chosen. `mapper` and `beside` are names; `beside` may be "truth" or "none". */
 const chosen = { world: 0, mapper: "", beside: "", region: "observable", view: "occupancy", moment: 0,
-  /** @type {number|null} */ cursor: null };
+  /** @type {number|null} */ cursor: null, /** @type {Box|null} */ zoom: null };
 
 /** Of what is chosen, unpacked. @type {{world: World, ground: Ground, panels: Panel[]}|null} */
 let shown = null;
@@ -105,13 +105,39 @@ function insideRegion() {
   return (cell) => part[cell] === code;
 }
 
+/** The cells on the screen. @param {World} world @returns {Box} */
+const boxOf = (world) => chosen.zoom ?? { column: 0, row: 0, columns: world.width, rows: world.height };
+
+/** How many times larger cells are drawn when zoomed. */
+const ZOOM = 4;
+
+/** The part of the map around a cell, whole cells inside the map. @param {number} cell @returns {Box} */
+function boxAround(cell) {
+  const { width, height } = shown.world;
+  const [columns, rows] = [Math.ceil(width / ZOOM), Math.ceil(height / ZOOM)];
+  const from = (at, size, whole) => Math.min(Math.max(at - Math.floor(size / 2), 0), whole - size);
+  return { column: from(cell % width, columns, width), row: from(Math.floor(cell / width), rows, height), columns, rows };
+}
+
+/** Zooms to the cell under the cursor, or else to the region chosen, or to the robot; or out again. */
+function zoom() {
+  if (!shown) return;
+  const { world, ground } = shown;
+  const inside = [...(ground.regions.get(chosen.region) ?? []).keys()].filter((cell) => ground.regions.get(chosen.region)[cell]);
+  const [column, row] = [0, 1].map((axis) =>
+    Math.floor((world.moments[chosen.moment].pose[axis] - world.origin_m[axis]) / world.cell_m));
+  const robot = row * world.width + column;
+  chosen.zoom = chosen.zoom ? null : boxAround(chosen.cursor ?? inside[Math.floor(inside.length / 2)] ?? robot);
+  show();
+}
+
 /** Draws everything anew. */
 function show() {
   if (!shown) return;
   const { world, ground, panels } = shown;
   const most = ground.looks.at(-1).reduce((a, b) => Math.max(a, b), 1);
   const scene = { world, ground, moment: chosen.moment, view: chosen.view, step: DATA.step, most,
-    inside: insideRegion(), cursor: chosen.cursor };
+    inside: insideRegion(), cursor: chosen.cursor, box: boxOf(world) };
   // Where rays have looked is the same for every mapper.
   const drawn = chosen.view === "looks" ? panels.slice(0, 1) : panels;
   element("viewer-maps").classList.toggle("one", drawn.length === 1);
@@ -147,6 +173,7 @@ function showTime(world) {
   const text = `scan ${scans} of ${world.scans}, ${time_s.toFixed(1)} s`;
   slider.setAttribute("aria-valuetext", text);
   element("viewer-moment").textContent = text;
+  element("viewer-zoom").setAttribute("aria-pressed", `${chosen.zoom !== null}`);
   for (const button of element("viewer-stages").children) {
     button.setAttribute("aria-pressed", `${Number(button.dataset.moment) === chosen.moment}`);
   }
@@ -246,22 +273,29 @@ function go(moment) {
   show();
 }
 
+/** @param {Box} box @param {number} cell */
+function within(box, cell) {
+  const [column, row] = [(cell % shown.world.width) - box.column, Math.floor(cell / shown.world.width) - box.row];
+  return column >= 0 && row >= 0 && column < box.columns && row < box.rows;
+}
+
 /** @param {number|null} cell @param {boolean} aloud */
 function point(cell, aloud = false) {
   if (!shown || cell === chosen.cursor) return;
   chosen.cursor = cell;
+  if (cell !== null && chosen.zoom && !within(boxOf(shown.world), cell)) chosen.zoom = boxAround(cell);
   show();
   if (aloud) showReadout(true);
 }
 
 /** The cell under the pointer. @param {PointerEvent} event @returns {number|null} */
 function cellUnder(event) {
-  const { world } = shown;
+  const box = boxOf(shown.world);
   const frame = event.currentTarget.getBoundingClientRect();
-  const column = Math.floor(((event.clientX - frame.left) / frame.width) * world.width);
-  const row = world.height - 1 - Math.floor(((event.clientY - frame.top) / frame.height) * world.height);
-  const within = column >= 0 && row >= 0 && column < world.width && row < world.height;
-  return within ? row * world.width + column : null;
+  const column = Math.floor(((event.clientX - frame.left) / frame.width) * box.columns);
+  const row = box.rows - 1 - Math.floor(((event.clientY - frame.top) / frame.height) * box.rows);
+  if (column < 0 || row < 0 || column >= box.columns || row >= box.rows) return null;
+  return (box.row + row) * shown.world.width + box.column + column;
 }
 
 /** Time of one moment while playing, ms. */
@@ -310,6 +344,7 @@ function shortcut(event) {
     ".": () => go(chosen.moment + 1),
     "[": () => go(ends.findLast((m) => m < chosen.moment) ?? 0),
     "]": () => go(ends.find((m) => m > chosen.moment) ?? world.moments.length - 1),
+    z: zoom,
     Escape: () => point(null),
   };
   if (keys[event.key]) keys[event.key]();
@@ -343,7 +378,7 @@ function recall() {
 function listen() {
   element("viewer-scene").addEventListener("change", (event) => {
     play(false);
-    Object.assign(chosen, { world: event.target.selectedIndex, cursor: null, moment: Infinity });
+    Object.assign(chosen, { world: event.target.selectedIndex, cursor: null, zoom: null, moment: Infinity });
     offer();
     choose();
   });
@@ -353,6 +388,7 @@ function listen() {
   }
   element("viewer-time").addEventListener("input", (event) => go(Number(event.target.value)));
   element("viewer-play").addEventListener("click", () => play(!playing));
+  element("viewer-zoom").addEventListener("click", zoom);
   element("viewer").addEventListener("keydown", shortcut);
   for (const id of ["viewer-left", "viewer-right"]) {
     const canvas = element(id);

@@ -237,6 +237,20 @@ fn the_keyboard_moves_time_and_the_cell() {
     browser.press("#viewer-left", ESCAPE);
     assert_eq!(browser.get("document.getElementById('viewer-cell').hidden"), json!(true));
 
+    // Zoomed to the region X around 1.2, 1.0 m, the middle of the map is the middle of X; the cell moves the part shown.
+    browser.choose("region", "X");
+    browser.press("#viewer-left", "z");
+    assert_eq!(browser.get("document.getElementById('viewer-zoom').getAttribute('aria-pressed')"), "true");
+    browser.hover("#viewer-left", 0, 0);
+    let middle: Vec<f64> =
+        ["x", "y"].map(|axis| browser.text(&format!("#viewer-{axis}"))[..5].parse().expect("m")).to_vec();
+    assert!(close(middle[0], 1.2, 0.35) && close(middle[1], 1.0, 0.35), "{middle:?}");
+    let near = pixels(&browser, "viewer-left");
+    browser.press("#viewer-left", &RIGHT.repeat(12));
+    assert_ne!(pixels(&browser, "viewer-left"), near);
+    browser.click("#viewer-zoom");
+    assert_eq!(browser.get("document.getElementById('viewer-zoom').getAttribute('aria-pressed')"), "false");
+
     browser.press("#viewer-left", "3");
     assert_eq!(browser.get("document.querySelector('input[value=error]').checked"), json!(true));
     // Everything that can be operated is reached by Tab and has a name.
