@@ -75,7 +75,9 @@ pub fn page(page: &Page) -> Result<String, Failure> {
             include_str!("../templates/viewer/metrics.js"),
             include_str!("../templates/viewer/colours.js"),
             include_str!("../templates/viewer/paint.js"),
-            include_str!("../templates/viewer/viewer.js"),
+            include_str!("../templates/viewer/choices.js"),
+            include_str!("../templates/viewer/show.js"),
+            include_str!("../templates/viewer/controls.js"),
         ),
         viewer,
     };
