@@ -2,7 +2,11 @@
 
 use crate::judged::Judged;
 
-/// All judged cells that hold the same probability.
+/// Probabilities are taken to so many steps from 0 to 1: what differs by less than 1e-9 is rounding, and
+/// whether a cell that no ray has changed ranks above another must not hang on it.
+const STEPS: f64 = 1e9;
+
+/// All judged cells that hold the same probability, to one of [`STEPS`]; `p` is their mean.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Tie {
     pub(crate) p: f64,
@@ -13,13 +17,15 @@ pub(crate) struct Tie {
 /// The ties from the least to the most probable. What is computed from them cannot depend on the
 /// order of the cells.
 pub(crate) fn ranked(cells: impl Iterator<Item = Judged>) -> Vec<Tie> {
-    // Adding zero turns -0 into +0, which would rank apart.
-    let mut cells: Vec<(f64, bool)> = cells.map(|j| (j.p + 0.0, j.occupied)).collect();
+    let step = |p: f64| (p * STEPS).round() + 0.0; // + 0.0: no minus zero
+    let mut cells: Vec<(f64, bool)> = cells.map(|j| (j.p, j.occupied)).collect();
     cells.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-    cells
-        .chunk_by(|a, b| a.0.total_cmp(&b.0).is_eq())
-        .map(|tie| Tie { p: tie[0].0, cells: tie.len(), occupied: tie.iter().filter(|c| c.1).count() })
-        .collect()
+    let tie = |cells: &[(f64, bool)]| Tie {
+        p: cells.iter().map(|c| c.0).sum::<f64>() / cells.len() as f64,
+        cells: cells.len(),
+        occupied: cells.iter().filter(|c| c.1).count(),
+    };
+    cells.chunk_by(|a, b| step(a.0).total_cmp(&step(b.0)).is_eq()).map(tie).collect()
 }
 
 /// Probability that a random occupied cell ranks above a random free one, a tie counting one half;
@@ -49,6 +55,14 @@ mod tests {
     fn ties_are_counted_together_and_zero_has_no_sign() {
         let ties = rank(&[(0.5, true), (0.0, false), (0.5, false), (-0.0, true), (0.5, true)]);
         assert_eq!(ties, [Tie { p: 0.0, cells: 2, occupied: 1 }, Tie { p: 0.5, cells: 3, occupied: 2 }]);
+    }
+
+    #[test]
+    fn rounding_ranks_nothing() {
+        let noise = |k: i32| 0.1 + f64::from(k) * 1e-17;
+        let ties = rank(&[(noise(0), true), (noise(3), false), (noise(-2), true), (0.1 + 2e-9, false)]);
+        assert_eq!(ties.iter().map(|tie| (tie.cells, tie.occupied)).collect::<Vec<_>>(), [(3, 2), (1, 0)]);
+        assert_eq!(rank(&[(0.0, true), (1.0, true)]).iter().map(|tie| tie.p).collect::<Vec<_>>(), [0.0, 1.0]);
     }
 
     #[test]
