@@ -46,7 +46,7 @@ fn text(table: &Table) -> String {
             text += &format!("{}{heading}\n", if kind.is_empty() { "" } else { "\n" });
             kind = now;
         }
-        text += &format!("  {name:20} {summary}\n");
+        text += &format!("  {name:22} {summary}\n");
     }
     text
 }

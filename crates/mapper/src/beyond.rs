@@ -37,11 +37,13 @@ const MOST: usize = ONE_BY_ONE + 108 * BLOCK;
 /// `P(o | no cell of the ray is occupied)`, per unit of the reading: the hit lies in the m-th further
 /// cell with probability `u0 (1 - u0)^m`. It closes the sum to infinity in Eq. (7).
 ///
-/// The chain is followed cell by cell until a mass of 1e-9 is left, and in longer steps after that.
+/// The chain is followed cell by cell until a mass of 1e-9 is left, and in longer steps after that; not
+/// beyond where the likelihood no longer changes, whoever is hit there.
 pub fn likelihood(sensor: &(impl SensorModel + ?Sized), reading: f64, bearing: f64, beyond: &Beyond) -> f64 {
     let mut ranges = [beyond.from_m; BLOCK + 1];
     let mut hits = [0.0; BLOCK];
     let mut likelihood = [0.0; BLOCK];
+    let settled_m = sensor.settled_from(reading, bearing);
     let (mut ahead, mut mass, mut sum) = (1.0, 1.0, 0.0);
     for block in (0..MOST).step_by(BLOCK) {
         ranges[0] = if block == 0 { beyond.from_m } else { ranges[BLOCK] };
@@ -51,6 +53,10 @@ pub fn likelihood(sensor: &(impl SensorModel + ?Sized), reading: f64, bearing: f
             ranges[k + 1] = ranges[k] + cells * beyond.chord_m;
             hits[k] = beyond.hit(cells);
             ahead *= 1.0 - hits[k];
+        }
+        if ranges[0] > settled_m {
+            sensor.likelihood(reading, bearing, &ranges[..2], &mut likelihood[..1]);
+            return sum + mass * likelihood[0];
         }
         sensor.likelihood(reading, bearing, &ranges, &mut likelihood);
         for (hit, l) in hits.iter().zip(likelihood) {

@@ -144,7 +144,7 @@ pub const MAPPERS: &[Entry] = &[
     },
     Entry {
         name: "perfect",
-        summary: "visibility fed noise-free readings: what the noise costs",
+        summary: "upper bound: visibility fed noise-free readings, and told so",
         source: "Eqs. (1)-(7), (18)-(20)",
         kind: Kind::NoiseFree,
         build: |setup| Box::new(Visibility::exact(setup)),

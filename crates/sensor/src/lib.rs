@@ -42,6 +42,12 @@ pub trait SensorModel: Send + Sync {
     /// `ranges` never decreases and is one longer than `likelihood`.
     fn likelihood(&self, reading: f64, bearing: f64, ranges: &[f64], likelihood: &mut [f64]);
 
+    /// Range (m) along the ray from which on `P(o | F_k)` no longer changes, so that a chain need not be
+    /// followed further; infinite where it always does.
+    fn settled_from(&self, _reading: f64, _bearing: f64) -> f64 {
+        f64::INFINITY
+    }
+
     /// `P(T)`: the probability that a reading comes from the first occupied cell at all.
     fn correct_match(&self) -> f64;
 

@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 /// Beyond this many standard deviations the density is below 1e-15 and counts as nothing.
-const REACH: f64 = 8.5;
+pub(crate) const REACH: f64 = 8.5;
 
 /// Density of the standard normal distribution.
 pub(crate) fn density(x: f64) -> f64 {

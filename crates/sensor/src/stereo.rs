@@ -69,6 +69,13 @@ impl SensorModel for Stereo {
         }
     }
 
+    /// Where the Gaussian of the farthest disparities no longer reaches the reading.
+    fn settled_from(&self, reading: f64, bearing: f64) -> f64 {
+        let least = reading - normal::REACH * self.disparity_sigma;
+        let cosine = libm::cos(bearing);
+        if least > 0.0 && cosine > 0.0 { self.focal_baseline / (least * cosine) } else { f64::INFINITY }
+    }
+
     fn correct_match(&self) -> f64 {
         self.correct_match
     }
@@ -183,6 +190,21 @@ mod tests {
             let n = 60_000;
             let sum: f64 = (0..n).map(|i| likelihood((f64::from(i) + 0.5) * 1e-3, bearing, range, range + chord)).sum();
             prop_assert!((sum * 1e-3 - 1.0).abs() < 1e-6, "{}", sum * 1e-3);
+        }
+
+        /// From there on it is that of false matches alone, to the bit, and just before it is not yet.
+        #[test]
+        fn settles_where_it_says(reading in 0.0f64..60.0, bearing in -1.0f64..1.0, further in 0.0f64..100.0) {
+            let from = STEREO.settled_from(reading, bearing);
+            let floor = (1.0 - STEREO.correct_match) / STEREO.max_disparity;
+            if from.is_finite() {
+                let there = from * (1.0 + 1e-9) + further;
+                prop_assert_eq!(likelihood(reading, bearing, there, there + 0.05).to_bits(), floor.to_bits());
+                let before = STEREO.range(reading - 8.0 * STEREO.disparity_sigma, bearing);
+                prop_assert!(before < from && likelihood(reading, bearing, before, before) > floor);
+            } else {
+                prop_assert!(reading <= 8.5 * STEREO.disparity_sigma);
+            }
         }
 
         #[test]
