@@ -2,6 +2,7 @@
 
 use score::{Better, Summary};
 use serde::Serialize;
+use serde_json::Value;
 
 use crate::failure::Failure;
 use crate::trial::Trial;
@@ -28,6 +29,18 @@ pub fn all_hold(claims: &[Claim]) -> Result<(), Failure> {
         0 => Ok(()),
         n => Err(Failure::Claim(format!("{n} of {} claims fail: {}", claims.len(), failed.join("; ")))),
     }
+}
+
+/// The claims that a `run.json` holds.
+pub fn of_record(record: &Value) -> Vec<Claim> {
+    let text = |claim: &Value, key: &str| claim[key].as_str().unwrap_or_default().to_owned();
+    let claims = record["claims"].as_array().into_iter().flatten();
+    let claim = |c: &Value| Claim {
+        claim: text(c, "claim"),
+        measured: text(c, "measured"),
+        holds: c["holds"].as_bool() == Some(true),
+    };
+    claims.map(claim).collect()
 }
 
 /// Least share of the region's free cells that `visibility` must still hold free in the end.

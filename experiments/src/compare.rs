@@ -6,6 +6,7 @@
 pub mod claims;
 pub mod conditions;
 pub mod criteria;
+pub mod document;
 pub mod engine;
 pub mod journal;
 pub mod judgement;
@@ -13,6 +14,9 @@ pub mod options;
 pub mod outputs;
 pub mod plan;
 pub mod repeats;
+pub mod rows;
+pub mod sheets;
+pub mod showcase;
 pub mod tables;
 pub mod text;
 pub mod world;
@@ -61,16 +65,18 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     let out = options.out.clone().unwrap_or_else(|| default_folder(&plan, options.quick));
     let mut staging = Staging::open(&out)?;
     threads::limit(options.threads)?;
-    let record = outputs::record(&plan, options);
+    let record = outputs::record(&plan);
     let worlds = map_worlds(&plan, &out, &serde_json::to_string(&record).map_err(Failure::internal)?)?;
     let findings = judge(&plan, worlds)?;
-    outputs::write(&mut staging, &plan, &findings, record)?;
+    let (viewer, _) = showcase::look(&plan)?;
+    let rows = outputs::rows(&plan, &findings)?;
+    outputs::write(&mut staging, &plan, &findings, &rows, record, viewer)?;
     staging.publish()?;
     Journal::clear(&out);
 
     match options.format {
         Format::Text => {
-            table::print(&text::summary(&plan, &findings))?;
+            table::print(&text::summary(&plan, &rows, &findings.claims))?;
             let place = out.join("report.html");
             let _ = writeln!(std::io::stderr(), "{} in {:.0} s", place.display(), start.elapsed().as_secs_f64());
         }

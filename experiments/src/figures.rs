@@ -5,7 +5,9 @@
 
 pub mod certainty;
 pub mod chart;
+pub mod comparison;
 pub mod disparity;
+pub mod forest;
 mod ink;
 pub mod kernel;
 pub mod maps;

@@ -20,7 +20,7 @@ pub struct CompareOptions {
         default_value = "scenes/clutter.toml,scenes/corridors.toml,scenes/halls.toml,scenes/two-rooms.toml"
     )]
     pub families: Vec<PathBuf>,
-    /// Worlds of each family under each condition [default: 30 test, 8 robustness, 10 tuning; 6 with --quick]
+    /// Worlds of each family under each condition [default: 30 test, 8 robustness, 10 tuning; 4 or 2 with --quick]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = count(10_000))]
     pub seeds: Option<u32>,
     /// Batch mappers run on the first N of them only [default: a third]
@@ -65,6 +65,18 @@ impl Worlds {
             Self::Test => "test",
             Self::Robustness => "robustness",
             Self::Tuning => "tuning",
+        }
+    }
+
+    /// What it is for, in a sentence.
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::Test => "Generated worlds on which no parameter was fitted; the mappers know the camera's noise.",
+            Self::Robustness => {
+                "Generated worlds in which one thing differs from what the mappers believe: the share of correct matches, the noise of \
+                 the disparity, the size of the obstacles, or mismatches that come in runs and copy neighbouring surfaces."
+            }
+            Self::Tuning => "The generated worlds that parameters are fitted on: not for reporting.",
         }
     }
 }

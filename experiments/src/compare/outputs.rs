@@ -6,14 +6,15 @@ use std::io::{self, Write as _};
 use mapper::{Prior, Reconciliation};
 use serde::Serialize;
 
-use super::options::CompareOptions;
 use super::plan::{Plan, REFERENCE};
-use super::{Findings, tables};
+use super::rows::{self, Rows};
+use super::{Findings, document, tables};
 use crate::claims::Claim;
 use crate::failure::Failure;
 use crate::record::versions;
+use crate::report::{self, Viewer};
 use crate::staging::{RECORD, Staging};
-use crate::table::Table;
+use crate::{figures, table::Table};
 
 /// What a comparison was made from: `run.json`.
 #[derive(Debug, Serialize)]
@@ -42,13 +43,13 @@ struct Configuration {
 }
 
 /// The record of a plan, before anything is known of its outcome.
-pub fn record(plan: &Plan, options: &CompareOptions) -> Record {
+pub fn record(plan: &Plan) -> Record {
     Record {
         schema_version: 1,
         command: "compare",
         configuration: Configuration {
             set: plan.set.name(),
-            families: options.families.iter().map(|path| path.display().to_string()).collect(),
+            families: plan.paths.iter().map(|path| path.display().to_string()).collect(),
             conditions: plan.conditions.clone(),
             seeds: plan.seeds,
             batch_seeds: plan.batch_seeds,
@@ -65,8 +66,30 @@ pub fn record(plan: &Plan, options: &CompareOptions) -> Record {
     }
 }
 
+/// The tables as their files hold them.
+///
+/// # Errors
+/// A defect of ours.
+pub fn rows(plan: &Plan, findings: &Findings) -> Result<Rows, Failure> {
+    Ok(Rows {
+        means: rows::of(&tables::summary(&findings.worlds, &findings.scopes, &plan.names()))?,
+        differences: rows::of(&tables::differences(&findings.judgements, REFERENCE))?,
+        repeats: rows::of(&tables::repeats(&findings.repeated))?,
+    })
+}
+
 /// Writes everything.
-pub fn write(staging: &mut Staging, plan: &Plan, findings: &Findings, mut record: Record) -> Result<(), Failure> {
+///
+/// # Errors
+/// Whatever the system reports; a drawing that fails.
+pub fn write(
+    staging: &mut Staging,
+    plan: &Plan,
+    findings: &Findings,
+    rows: &Rows,
+    mut record: Record,
+    viewer: Viewer,
+) -> Result<(), Failure> {
     let Findings { worlds, scopes, judgements, repeated, claims } = findings;
     let names = plan.names();
     let mut csv = |name: &str, table: Table| staging.write(name, |out| table.write_csv(out).map_err(io::Error::other));
@@ -78,10 +101,26 @@ pub fn write(staging: &mut Staging, plan: &Plan, findings: &Findings, mut record
     if !repeated.is_empty() {
         csv("repeats.csv", tables::repeats(repeated))?;
     }
+    let pictures = document::pictures(|name| {
+        let bytes = match name {
+            "differences.png" => figures::forest::draw(rows, &names, &["log_loss", "brier"])?,
+            "reliability.png" => figures::comparison::reliability(findings, &scopes[0], &names)?,
+            "profiles.png" => figures::comparison::profiles(findings, &scopes[0], &names)?,
+            "repeats.png" if !repeated.is_empty() => figures::comparison::repeats(rows, &names)?,
+            _ => return Ok(None),
+        };
+        staging.write(name, |out| out.write_all(&bytes))?;
+        Ok(Some(bytes))
+    })?;
+    let markdown = document::markdown(plan, claims, &document::sections(plan, rows, &pictures));
+    staging.write("summary.md", |out| out.write_all(markdown.as_bytes()))?;
     record.claims.clone_from(claims);
     record.files = staging.files();
-    record.files.push(RECORD.to_owned());
+    record.files.extend(["report.html".to_owned(), RECORD.to_owned()]);
     record.files.sort();
+    let json = serde_json::to_value(&record).map_err(Failure::internal)?;
+    let html = report::page(&document::page(plan, rows, &json, &pictures, viewer)?)?;
+    staging.write("report.html", |out| out.write_all(html.as_bytes()))?;
     staging.write(RECORD, |out| -> io::Result<()> {
         serde_json::to_writer_pretty(&mut *out, &record)?;
         writeln!(out)

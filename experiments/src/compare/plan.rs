@@ -1,5 +1,8 @@
 //! What a comparison consists of, worked out before any world is made.
 
+use std::path::PathBuf;
+
+use mapper::Reconciliation;
 use mapper::catalogue::{Entry, Kind, MAPPERS};
 use scene::{Family, Set};
 
@@ -17,8 +20,10 @@ pub const REFERENCE: &str = "visibility";
 pub struct Plan {
     /// Which worlds.
     pub set: Worlds,
-    /// The families, of different names.
+    /// The families, of different names ...
     pub families: Vec<Family>,
+    /// ... and their files.
+    pub paths: Vec<PathBuf>,
     /// Names of the conditions.
     pub conditions: Vec<&'static str>,
     /// Worlds of each family under each condition ...
@@ -43,7 +48,7 @@ impl Plan {
     /// name; too many seeds.
     pub fn new(options: &CompareOptions) -> Result<Self, Failure> {
         let mappers = match options.mappers.is_empty() {
-            true => MAPPERS.iter().collect(),
+            true => MAPPERS.iter().filter(|entry| !is_the_reference(entry, options)).collect(),
             false => entries(&options.mappers)?,
         };
         if !mappers.iter().any(|entry| entry.name == REFERENCE) {
@@ -54,7 +59,7 @@ impl Plan {
         let conditions: &[Condition] = if set == Worlds::Robustness { &DEPARTURES } else { &[AS_BELIEVED] };
         let seeds = u64::from(options.seeds.unwrap_or(match (options.quick, set) {
             (true, Worlds::Robustness) => 2,
-            (true, _) => 6,
+            (true, _) => 4,
             (false, Worlds::Test) => 30,
             (false, Worlds::Robustness) => 8,
             (false, Worlds::Tuning) => 10,
@@ -64,11 +69,12 @@ impl Plan {
         let (repeats, repeated_scans) = match (set, options.quick) {
             (Worlds::Robustness, _) => (vec![], 0),
             (_, true) => (vec![1, 10, 100], 1),
-            (_, false) => (vec![1, 10, 100, 1000], 3),
+            (_, false) => (vec![1, 10, 100, 1000], 2),
         };
         Ok(Self {
             set,
             families: families(options)?,
+            paths: options.families.clone(),
             conditions: conditions.iter().map(|condition| condition.name).collect(),
             seeds,
             batch_seeds,
@@ -114,19 +120,48 @@ impl Plan {
         self.mappers.iter().map(|entry| entry.name).collect()
     }
 
-    /// Whether a scope of this name is one of the parts to show: conditions where there are several, else families.
-    pub fn is_part(&self, scope: &str) -> bool {
-        if self.conditions.len() > 1 {
-            self.conditions.contains(&scope)
-        } else {
-            self.families.iter().any(|family| family.name == scope)
+    /// The scopes to show part by part: conditions where there are several, else families.
+    pub fn parts(&self) -> Vec<&str> {
+        match self.conditions.len() {
+            1 => self.families.iter().map(|family| family.name.as_str()).collect(),
+            _ => self.conditions.clone(),
         }
+    }
+
+    /// One line on what is compared.
+    pub fn heading(&self) -> String {
+        let conditions = match self.conditions.len() {
+            1 => String::new(),
+            n => format!(" x {n} conditions"),
+        };
+        let (families, worlds) = (self.families.len(), self.jobs().len());
+        let (set, seeds, mappers) = (self.set.name(), self.seeds, self.mappers.len());
+        format!("{set} set, {families} families{conditions} x {seeds} seeds = {worlds} worlds, {mappers} mappers")
+    }
+
+    /// What to know of the batch mappers, if any run on fewer worlds than the others.
+    pub fn batch_note(&self) -> Option<String> {
+        let fewer = self.batch_seeds < self.seeds && self.has_batch();
+        let worlds = self.jobs().iter().filter(|job| job.batch).count();
+        let note = format!(
+            "Batch mappers ran on {worlds} of them: their differences compare like with like, their means do not"
+        );
+        fewer.then_some(note)
     }
 
     /// Whether any of the mappers takes all scans at once.
     pub fn has_batch(&self) -> bool {
         self.mappers.iter().any(|entry| entry.kind == Kind::Batch)
     }
+}
+
+/// The variant of the reference that the options make it anyway.
+fn is_the_reference(entry: &Entry, options: &CompareOptions) -> bool {
+    entry.name
+        == match options.belief.reconciliation() {
+            Reconciliation::AllEdges => "visibility-all-edges",
+            Reconciliation::Touched => "visibility-touched",
+        }
 }
 
 fn families(options: &CompareOptions) -> Result<Vec<Family>, Failure> {

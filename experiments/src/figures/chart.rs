@@ -65,7 +65,7 @@ impl Axis {
 /// Points that belong together, in order of x.
 #[derive(Debug, Clone)]
 pub struct Series {
-    /// Name in the legend.
+    /// Name in the legend; empty of what only guides the eye.
     pub name: String,
     /// Points; those without a value are left out.
     pub points: Vec<(f64, Option<f64>)>,
@@ -104,9 +104,19 @@ const BAND: RGBColor = RGBColor(238, 242, 246);
 ///
 /// # Errors
 /// A drawing that fails.
-pub fn draw(charts: &[Chart], (width, height): (u32, u32)) -> Result<Vec<u8>, Failure> {
-    png((width * charts.len() as u32, height), |area| {
-        let areas = area.split_evenly((1, charts.len()));
+pub fn draw(charts: &[Chart], size: (u32, u32)) -> Result<Vec<u8>, Failure> {
+    sheet(charts, charts.len(), size)
+}
+
+/// Draws charts of the given size (px) row by row, so many to a row, and gives a PNG.
+///
+/// # Errors
+/// A drawing that fails.
+pub fn sheet(charts: &[Chart], columns: usize, (width, height): (u32, u32)) -> Result<Vec<u8>, Failure> {
+    let columns = columns.clamp(1, charts.len().max(1));
+    let rows = charts.len().div_ceil(columns).max(1);
+    png((width * columns as u32, height * rows as u32), |area| {
+        let areas = area.split_evenly((rows, columns));
         areas.iter().zip(charts).try_for_each(|(area, chart)| chart.draw(area))
     })
 }
@@ -154,11 +164,14 @@ impl Chart {
             } else {
                 chart.draw_series(LineSeries::new(points.clone(), line))
             };
-            drawn.map_err(Failure::internal)?.label(&series.name).legend(move |at| {
-                let line = PathElement::new(vec![(-LEGEND_PX / 2, 0), (LEGEND_PX / 2, 0)], mark.line(colour));
-                let [first, second] = mark.strokes(colour);
-                EmptyElement::at((at.0 + LEGEND_PX / 2, at.1)) + line + first + second + mark.ring((0, 0), colour)
-            });
+            let drawn = drawn.map_err(Failure::internal)?;
+            if !series.name.is_empty() {
+                drawn.label(&series.name).legend(move |at| {
+                    let line = PathElement::new(vec![(-LEGEND_PX / 2, 0), (LEGEND_PX / 2, 0)], mark.line(colour));
+                    let [first, second] = mark.strokes(colour);
+                    EmptyElement::at((at.0 + LEGEND_PX / 2, at.1)) + line + first + second + mark.ring((0, 0), colour)
+                });
+            }
             if mark.at_points() {
                 let every = points.len().div_ceil(MOST_MARKS).max(1);
                 let marked = points.iter().skip(every / 2).step_by(every);
@@ -169,7 +182,7 @@ impl Chart {
                 chart.draw_series(signs).map_err(Failure::internal)?;
             }
         }
-        if self.series.len() < 2 {
+        if self.series.iter().filter(|series| !series.name.is_empty()).count() < 2 {
             return Ok(()); // the title says what it is
         }
         chart

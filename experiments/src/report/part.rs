@@ -34,7 +34,7 @@ pub enum Part {
 }
 
 /// A picture with its caption.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Picture {
     /// Its file name.
     pub name: String,

@@ -3,7 +3,7 @@
 use serde::Deserialize;
 use serde_json::Value;
 
-use crate::claims::Claim;
+use crate::claims;
 use crate::failure::Failure;
 use crate::figures;
 use crate::record::Stage;
@@ -75,7 +75,7 @@ pub(crate) fn page(
             grid.height,
             grid.cell_m
         ),
-        claims: claims(record),
+        claims: claims::of_record(record),
         viewer: Some(viewer),
         sections: vec![
             Section {
@@ -88,17 +88,6 @@ pub(crate) fn page(
         configuration: serde_json::to_string_pretty(&record["configuration"]).map_err(Failure::internal)?,
         files: record["files"].as_array().into_iter().flatten().filter_map(Value::as_str).map(str::to_owned).collect(),
     })
-}
-
-fn claims(record: &Value) -> Vec<Claim> {
-    let text = |claim: &Value, key: &str| claim[key].as_str().unwrap_or_default().to_owned();
-    let claims = record["claims"].as_array().into_iter().flatten();
-    let claim = |c: &Value| Claim {
-        claim: text(c, "claim"),
-        measured: text(c, "measured"),
-        holds: c["holds"].as_bool() == Some(true),
-    };
-    claims.map(claim).collect()
 }
 
 /// Different values in the order of their first appearance.

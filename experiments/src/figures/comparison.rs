@@ -1,0 +1,168 @@
+//! What a comparison looks like: differences with their intervals, reliability, and error against what is known
+//! of a cell.
+
+use plotters::prelude::*;
+
+use super::chart::{self, Axis, Chart, Mark, Series};
+use super::ink::{self, FAINT};
+use crate::compare::Findings;
+use crate::compare::judgement::Scope;
+use crate::compare::rows::{Repeat, Rows};
+use crate::compare::sheets::{repeat_counts, repeated_mean};
+use crate::compare::tables::{COVARIATES, pooled_errors, pooled_reliability};
+use crate::failure::Failure;
+
+/// Captions, by file name, in the order of the page.
+pub const CAPTIONS: [(&str, &str); 4] = [
+    (
+        "differences.png",
+        "Mapper minus visibility over all worlds, in all that could be seen, with 95 % intervals: to the right of zero a \
+         mapper is worse. Green is better, red worse, grey equivalent or undecided.",
+    ),
+    (
+        "reliability.png",
+        "Reliability over all worlds, in all that could be seen: of the cells held occupied with probability p, the share \
+         that is. A map that can be taken at its word lies on the diagonal; below it obstacles are imagined, above it missed.",
+    ),
+    (
+        "profiles.png",
+        "Log loss against the range from which a cell was seen best, and against the number of rays that looked at it.",
+    ),
+    (
+        "repeats.png",
+        "The same scan again and again: what a robot that stands still makes of noise that does not change. Means over \
+         worlds and scans, in all that the scan could see.",
+    ),
+];
+
+/// Mappers of which the lines are drawn where all would be too many.
+const LINES: [&str; 9] = [
+    "visibility",
+    "independent",
+    "conventional",
+    "conventional-tuned",
+    "log-odds-octomap",
+    "log-odds-cartographer",
+    "no-occlusion",
+    "forward-em",
+    "mrf",
+];
+
+/// Colour and line of a mapper: the same in every picture, whichever mappers are shown.
+fn style(mapper: &str) -> (RGBColor, Mark) {
+    let place = LINES.iter().position(|name| *name == mapper).unwrap_or(LINES.len());
+    let mark = if place < ink::LINES.len() { Mark::Line } else { Mark::Dashes };
+    (ink::LINES[place % ink::LINES.len()], mark)
+}
+
+fn lines<'a>(mappers: &'a [&'a str]) -> impl Iterator<Item = &'a str> {
+    mappers.iter().copied().filter(|mapper| LINES.contains(mapper))
+}
+
+/// One panel per mapper.
+///
+/// # Errors
+/// A drawing that fails.
+pub fn reliability(findings: &Findings, scope: &Scope, mappers: &[&str]) -> Result<Vec<u8>, Failure> {
+    let panel = |mapper: &&str| {
+        let bins = pooled_reliability(&findings.worlds, scope, mapper);
+        let points = bins.iter().filter_map(|bin| Some((bin.mean_probability()?, bin.observed_share())));
+        let diagonal = vec![(0.0, Some(0.0)), (1.0, Some(1.0))];
+        Chart {
+            title: (*mapper).to_owned(),
+            x: Axis::linear("probability", 0.0..1.0),
+            y: Axis::linear("share occupied", 0.0..1.0),
+            bands: Vec::new(),
+            series: vec![
+                Series { name: String::new(), points: diagonal, mark: Mark::Dashes, colour: FAINT },
+                Series {
+                    name: (*mapper).to_owned(),
+                    points: points.collect(),
+                    mark: Mark::Ring,
+                    colour: ink::LINES[0],
+                },
+            ],
+            legend: SeriesLabelPosition::UpperLeft,
+        }
+    };
+    chart::sheet(&mappers.iter().map(panel).collect::<Vec<_>>(), 4, (400, 380))
+}
+
+/// Error against range and against looks.
+///
+/// # Errors
+/// A drawing that fails.
+pub fn profiles(findings: &Findings, scope: &Scope, mappers: &[&str]) -> Result<Vec<u8>, Failure> {
+    let axes = [
+        (
+            "Error against range",
+            Axis::linear("range from which a cell was seen best, m", 0.0..10.0),
+            SeriesLabelPosition::LowerRight,
+        ),
+        (
+            "Error against looks",
+            Axis::logarithmic("rays that looked at a cell", 1.0..1000.0),
+            SeriesLabelPosition::LowerLeft,
+        ),
+    ];
+    let mut charts = Vec::new();
+    for ((_, edges, of), (title, x, legend)) in COVARIATES.into_iter().zip(axes) {
+        let series: Vec<Series> = lines(mappers)
+            .map(|mapper| {
+                let bins = pooled_errors(&findings.worlds, scope, mapper, of);
+                let points = edges.windows(2).zip(&bins).map(|(edge, bin)| (middle(edge, &x), bin.mean_log_loss()));
+                let (colour, mark) = style(mapper);
+                Series { name: mapper.to_owned(), points: points.collect(), mark, colour }
+            })
+            .collect();
+        charts.push(Chart {
+            title: title.to_owned(),
+            x,
+            y: Axis::logarithmic("log loss, nats/cell", 0.003..3.0),
+            bands: Vec::new(),
+            series,
+            legend,
+        });
+    }
+    chart::draw(&charts, (880, 640))
+}
+
+/// Where the point of a bin is drawn; an open bin is drawn as wide as the one before it would go on.
+fn middle(edge: &[f64], axis: &Axis) -> f64 {
+    let to = if edge[1].is_finite() { edge[1] } else { (1.5 * edge[0]).min(axis.range.end) };
+    if axis.logarithmic { libm::sqrt(edge[0].max(0.5) * to) } else { 0.5 * (edge[0] + to) }
+}
+
+/// Log loss, and free space held free, against the number of repeats.
+///
+/// # Errors
+/// A drawing that fails.
+pub fn repeats(rows: &Rows, mappers: &[&str]) -> Result<Vec<u8>, Failure> {
+    let counts = repeat_counts(rows);
+    let most = counts.last().copied().unwrap_or(1) as f64;
+    let panel = |title: &str, y: Axis, of: fn(&Repeat) -> Option<f64>, legend| Chart {
+        title: title.to_owned(),
+        x: Axis::logarithmic("times that the scan is in the map", 1.0..most.max(10.0)),
+        y,
+        bands: Vec::new(),
+        series: lines(mappers)
+            .filter(|mapper| rows.repeats.iter().any(|r| r.mapper == *mapper))
+            .map(|mapper| {
+                let points = counts.iter().map(|&n| (n as f64, repeated_mean(rows, mapper, n, of)));
+                let (colour, mark) = style(mapper);
+                Series { name: mapper.to_owned(), points: points.collect(), mark, colour }
+            })
+            .collect(),
+        legend,
+    };
+    let charts = [
+        panel("Log loss", Axis::logarithmic("nats/cell", 0.03..4.0), |r| r.log_loss, SeriesLabelPosition::UpperLeft),
+        panel(
+            "Free space held free",
+            Axis::linear("share", 0.0..1.0),
+            |r| r.free_known,
+            SeriesLabelPosition::LowerLeft,
+        ),
+    ];
+    chart::draw(&charts, (880, 640))
+}
