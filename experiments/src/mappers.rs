@@ -13,7 +13,8 @@ pub fn entries(names: &[String]) -> Result<Vec<&'static Entry>, Failure> {
     let mut entries: Vec<&'static Entry> = Vec::new();
     for name in names {
         let Some(entry) = catalogue::find(name) else {
-            let nearest = known().max_by(|a, b| strsim::jaro(a, name).total_cmp(&strsim::jaro(b, name)));
+            let likeness = |known: &str| strsim::normalized_damerau_levenshtein(known, name);
+            let nearest = known().max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
             return Err(Failure::BadInput(format!(
                 "--mappers: there is no mapper {name:?}; the nearest is '{}', all are: {}",
                 nearest.unwrap_or_default(),

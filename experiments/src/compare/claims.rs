@@ -29,7 +29,7 @@ fn claim(j: &Judgement) -> Option<Claim> {
     let comparison = j.comparison.as_ref()?;
     let (low, high) = (comparison.interval.low, comparison.interval.high);
     Some(Claim {
-        claim: format!("{} has a higher {} than visibility", j.mapper, j.criterion.title),
+        claim: format!("{} loses on {}", j.mapper, j.criterion.title),
         measured: format!("{:+.decimals$} [{low:+.decimals$}, {high:+.decimals$}]", comparison.mean_difference),
         holds: low > 0.0,
     })

@@ -143,9 +143,7 @@ impl Plan {
     pub fn batch_note(&self) -> Option<String> {
         let fewer = self.batch_seeds < self.seeds && self.has_batch();
         let worlds = self.jobs().iter().filter(|job| job.batch).count();
-        let note = format!(
-            "Batch mappers ran on {worlds} of them: their differences compare like with like, their means do not"
-        );
+        let note = format!("Batch mappers ran on {worlds} of them: compare their differences, not their means");
         fewer.then_some(note)
     }
 

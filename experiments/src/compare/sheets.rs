@@ -59,6 +59,10 @@ pub fn differences(rows: &Rows, mappers: &[&str], scope: &str, region: &str, met
     let (title, decimals) = criterion(metric).map_or(("", 3), |c| (c.title, c.decimals));
     let margin =
         criterion(metric).and_then(|c| c.judged).map_or_else(String::new, |(_, m)| format!("; equivalent within {m}"));
+    let place = match width {
+        Width::Terminal => String::new(), // said by the table before
+        Width::Page => format!(", {}", region_in_words(region)),
+    };
     let narrow = ["mapper", "pairs", "difference, 95 % interval", "p Holm", "verdict"];
     let wide = ["mapper", "pairs", "difference, 95 % interval", "p Holm", "d_z", "rank-biserial", "verdict"];
     let row = |d: &Difference| {
@@ -76,7 +80,7 @@ pub fn differences(rows: &Rows, mappers: &[&str], scope: &str, region: &str, met
     };
     let found = mappers.iter().filter_map(|mapper| rows.difference(scope, region, mapper, metric));
     Sheet {
-        caption: format!("{title}: mapper minus {REFERENCE}, {}, {}{margin}", worlds(scope), region_in_words(region)),
+        caption: format!("{title}: mapper minus {REFERENCE}, {}{place}{margin}", worlds(scope)),
         note: String::new(),
         heads: if width == Width::Page { wide.map(str::to_owned).to_vec() } else { narrow.map(str::to_owned).to_vec() },
         rows: found.map(row).collect(),
@@ -98,7 +102,7 @@ pub fn parts(rows: &Rows, mappers: &[&str], parts: &[&str], metric: &str) -> She
     let row =
         |mapper: &&str| [Cell::from(*mapper)].into_iter().chain(parts.iter().map(|part| cell(mapper, part))).collect();
     Sheet {
-        caption: format!("{title}: mapper minus {REFERENCE}, part by part; ? where the interval holds zero"),
+        caption: format!("{title}: mapper minus {REFERENCE}, by part; ? where the interval holds zero"),
         note: String::new(),
         heads: ["mapper"].into_iter().chain(parts.iter().copied()).map(str::to_owned).collect(),
         rows: rivals.map(row).collect(),

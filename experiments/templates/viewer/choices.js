@@ -41,8 +41,9 @@ function offer() {
   const world = DATA.worlds[chosen.world];
   const names = world.mappers.map((mapper) => [mapper.name, mapper.name]);
   fill(element("viewer-mapper"), names, chosen.mapper);
-  const last = names.length > 1 ? names.at(-1)[0] : "truth";
-  fill(element("viewer-beside"), [["truth", "the truth"], ...names, ["none", "nothing"]], chosen.beside || last);
+  const rival = names.find(([name]) => name === "conventional") ?? names.at(-1);
+  const other = names.length > 1 ? rival[0] : "truth";
+  fill(element("viewer-beside"), [["truth", "the truth"], ...names, ["none", "nothing"]], chosen.beside || other);
   const named = world.regions.map((region) => [region.name, `${region.name}: a region of the scene`]);
   const by_rays = REGIONS.map(([name, what]) => [name, `${name}: ${what}`]);
   fill(element("viewer-region"), [by_rays[0], ...named, ...by_rays.slice(1)], chosen.region);

@@ -1,0 +1,239 @@
+//! `compare` as a user meets it: files, the same bytes every time, interruption, and messages.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
+
+use tempfile::TempDir;
+
+/// A small hall, seen by few columns: a world is done in a moment.
+const FAMILY: &str = r#"
+name = "nook"
+[generate]
+kind = "clutter"
+width = [4.0, 4.5]
+height = [3.5, 4.0]
+obstacle_size = 0.4
+covered = 0.04
+[grid]
+cell = 0.1
+[camera]
+columns = 24
+field_of_view_deg = 80.0
+[robot]
+radius = 0.15
+speed = 0.6
+turn_rate_deg = 90.0
+scan_interval = 0.5
+"#;
+
+struct Place {
+    folder: TempDir,
+}
+
+impl Place {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        fs::write(folder.path().join("nook.toml"), FAMILY).expect("writable");
+        Self { folder }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn command(&self, args: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_experiments"));
+        command.current_dir(self.folder.path()).args(["compare", "--families", "nook.toml"]).args(args);
+        command
+    }
+
+    /// Runs and expects an exit code; gives stdout and stderr.
+    fn expect(&self, code: i32, args: &[&str]) -> (String, String) {
+        checked(code, args, &self.command(args).output().expect("runs"))
+    }
+}
+
+fn checked(code: i32, args: &[&str], output: &Output) -> (String, String) {
+    let [out, err] = [&output.stdout, &output.stderr].map(|bytes| String::from_utf8_lossy(bytes).into_owned());
+    assert_eq!(output.status.code(), Some(code), "{args:?}\nstdout: {out}\nstderr: {err}");
+    (out, err)
+}
+
+/// Every file of a folder with its bytes; a folder in it has none.
+fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let entries = fs::read_dir(folder).expect("there").map(|entry| entry.expect("entry").path());
+    let read = |path: PathBuf| {
+        (path.file_name().expect("named").to_string_lossy().into_owned(), fs::read(&path).unwrap_or_default())
+    };
+    entries.map(read).collect()
+}
+
+#[test]
+fn compare_leaves_every_file_it_promises_and_an_account_of_eighty_columns() {
+    let place = Place::new();
+    let (out, _) = place.expect(0, &["--seeds", "8", "--batch-seeds", "2", "--out", "o"]);
+    let found = files(&place.path("o"));
+    let names: Vec<&str> = found.keys().map(String::as_str).collect();
+    let expected = [
+        "differences.csv",
+        "differences.png",
+        "profiles.csv",
+        "profiles.png",
+        "reliability.csv",
+        "reliability.png",
+        "repeats.csv",
+        "repeats.png",
+        "report.html",
+        "run.json",
+        "scores.csv",
+        "summary.csv",
+        "summary.md",
+    ];
+    assert_eq!(names, expected, "and no journal is left");
+    let record: serde_json::Value = serde_json::from_slice(&found["run.json"]).expect("JSON");
+    assert_eq!(record["files"].as_array().map(Vec::len), Some(expected.len()));
+    let mappers = record["configuration"]["mappers"].as_array().map_or(0, Vec::len);
+    assert_eq!(mappers, mapper::catalogue::MAPPERS.len() - 1, "but for the variant that visibility is anyway");
+
+    let text = |name: &str| String::from_utf8(found[name].clone()).expect("text");
+    // Batch mappers, of which there are two, ran on two of eight worlds; six regions each.
+    assert_eq!(text("scores.csv").lines().count(), 1 + 6 * (8 * (mappers - 2) + 2 * 2));
+    // One scope, since there is one family and one condition.
+    assert_eq!(text("differences.csv").lines().count(), 1 + 6 * 13 * (mappers - 1));
+    assert!(text("summary.md").contains("| conventional loses on log loss |"));
+    assert!(!text("report.html").contains("http"), "the report needs no network");
+    assert!(found["report.html"].len() < 10_000_000);
+    let wide: Vec<&str> = out.lines().filter(|line| line.chars().count() > 80).collect();
+    assert!(wide.is_empty(), "{wide:#?}");
+    assert!(out.contains("log-odds-cartographer") && out.contains("holds  conventional loses on log loss"));
+}
+
+#[test]
+fn the_same_bytes_with_any_number_of_threads_and_after_an_interruption() {
+    let place = Place::new();
+    let args = |out: &'static str, threads: &'static str| {
+        [
+            "--seeds",
+            "12",
+            "--batch-seeds",
+            "2",
+            "--mappers",
+            "visibility,mrf,conventional",
+            "--out",
+            out,
+            "--threads",
+            threads,
+        ]
+    };
+    place.expect(0, &args("one", "1"));
+    place.expect(0, &args("three", "3"));
+    let one = files(&place.path("one"));
+    assert_eq!(one, files(&place.path("three")));
+
+    // Interrupted when the first world is finished.
+    let mut command = place.command(&args("cut", "1"));
+    let run = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("runs");
+    let finished = || {
+        let journals = fs::read_dir(place.path("cut")).into_iter().flatten().flatten().map(|entry| entry.path());
+        let journals = journals.filter(|path| path.to_string_lossy().contains(".finished-"));
+        journals
+            .flat_map(fs::read_dir)
+            .flatten()
+            .flatten()
+            .filter(|e| e.path().extension().is_some_and(|e| e == "json"))
+            .count()
+    };
+    while finished() == 0 {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    Command::new("kill").args(["-INT", &run.id().to_string()]).status().expect("kill");
+    let (_, err) = checked(75, &["cut"], &run.wait_with_output().expect("ends"));
+    assert!(err.contains("interrupted: ") && err.contains("of 12 worlds are finished and kept in cut"), "{err}");
+    assert!((1..12).contains(&finished()) && !place.path("cut/run.json").exists());
+    place.expect(0, &args("cut", "2"));
+    assert_eq!(one, files(&place.path("cut")), "the rest, and nothing of the interruption");
+}
+
+#[test]
+fn report_makes_the_same_page_from_the_folder_alone() {
+    let place = Place::new();
+    for (set, out) in [("test", "t"), ("robustness", "r")] {
+        let seeds = ["--set", set, "--seeds", "2", "--mappers", "visibility,conventional", "--out", out];
+        place.expect(0, &seeds);
+        let before = files(&place.path(out));
+        let mut report = Command::new(env!("CARGO_BIN_EXE_experiments"));
+        let report = report.current_dir(place.folder.path()).args(["report", out]).output().expect("runs");
+        checked(0, &["report", out], &report);
+        assert!(before == files(&place.path(out)), "{set}: the page is another");
+    }
+    let scores = fs::read_to_string(place.path("t/scores.csv")).expect("there");
+    fs::write(place.path("t/scores.csv"), scores.replacen("visibility,surface,", "visibility,surface,9", 1))
+        .expect("writable");
+    let mut report = Command::new(env!("CARGO_BIN_EXE_experiments"));
+    let report = report.current_dir(place.folder.path()).args(["report", "t"]).output().expect("runs");
+    let (_, err) = checked(2, &["report", "t"], &report);
+    assert!(err.contains("t/scores.csv: has no line"), "{err}");
+}
+
+#[test]
+fn every_departure_is_a_part_of_the_robustness_set() {
+    let place = Place::new();
+    let args = ["--set", "robustness", "--seeds", "1", "--mappers", "visibility,conventional", "--out", "o"];
+    let (csv, _) = place.expect(0, &[&args[..], &["--format", "csv"]].concat());
+    assert_eq!(csv.as_bytes(), files(&place.path("o"))["differences.csv"]);
+    let scopes: std::collections::BTreeSet<&str> =
+        csv.lines().skip(1).filter_map(|line| line.split(',').next()).collect();
+    let expected = ["all", "clusters", "match-0.6", "match-0.95", "sigma-0.5", "sigma-2", "size-0.5", "size-2"];
+    assert_eq!(scopes.into_iter().collect::<Vec<_>>(), expected);
+    let scores = fs::read_to_string(place.path("o/scores.csv")).expect("there");
+    let loss = |condition: &str| {
+        let row = scores
+            .lines()
+            .find(|line| line.starts_with(&format!("{condition},")) && line.contains("visibility,observable"));
+        row.and_then(|row| row.split(',').nth(6)).map(str::to_owned)
+    };
+    let losses: std::collections::BTreeSet<_> = expected[1..].iter().map(|condition| loss(condition)).collect();
+    assert_eq!(losses.len(), 7, "every condition makes another map: {losses:?}");
+}
+
+#[test]
+fn a_claim_that_does_not_hold_is_exit_code_3_and_says_which() {
+    let place = Place::new();
+    // Without a reading every map is its prior, and nobody is better.
+    fs::write(place.path("nook.toml"), FAMILY.replace("[robot]", "[sensor]\ndetection_rate = 0.0\n[robot]"))
+        .expect("writable");
+    let (out, err) = place.expect(3, &["--seeds", "2", "--mappers", "visibility,independent", "--out", "o"]);
+    assert!(err.contains("2 of 2 claims fail: independent loses on log loss: +0.0000"), "{err}");
+    assert!(out.contains("FAILS  independent"), "{out}");
+    assert!(place.path("o/report.html").exists(), "the results are there to look into");
+}
+
+#[test]
+fn bad_options_are_refused_before_any_work() {
+    let place = Place::new();
+    fs::write(place.path("twin.toml"), FAMILY).expect("writable");
+    fs::write(place.path("scene.toml"), "name = \"x\"\n").expect("writable");
+    let refused = |args: &[&str], message: &str| {
+        let (_, err) = place.expect(2, &[args, &["--out", "o"]].concat());
+        assert!(err.contains(message), "{args:?}: {err}");
+        assert!(!place.path("o").exists(), "{args:?} left something");
+    };
+    refused(&["--mappers", "visibility,mfr"], "no mapper \"mfr\"; the nearest is 'mrf', all are: visibility, ");
+    refused(&["--mappers", "conventional"], "all are compared with visibility, which is not among them; add it");
+    refused(&["--mappers", "visibility,visibility"], "given twice");
+    refused(&["--families", "nook.toml,twin.toml"], "a family named \"nook\" is among them");
+    refused(&["--families", "scene.toml"], "scene.toml");
+    refused(&["--families", "nowhere.toml"], "nowhere.toml");
+    refused(&["--seeds", "0"], "1..=10000");
+    refused(&["--seeds", "10001"], "1..=10000");
+    refused(&["--batch-seeds", "-1"], "--batch-seeds");
+    refused(&["--set", "tests"], "robustness");
+    refused(&["--threads", "0"], "--threads");
+    refused(&["--prior", "2"], "must be a number from 0 to 1");
+    fs::write(place.path("file"), "in the way").expect("writable");
+    let (_, err) = place.expect(2, &["--out", "file"]);
+    assert!(err.contains("file: the output folder"), "{err}");
+}
