@@ -163,14 +163,26 @@ impl Draw {
             // The literal sum must end.
             prior[cells - 1] = self.of(&[0.1, 0.01, 0.5, 0.9, 1.0]);
         }
-        let sensor =
-            self.of(&[[15.0, 0.5, 0.8, 60.0], [15.0, 0.5, 0.8, 60.0], [40.0, 1.5, 0.6, 128.0], [4.0, 0.2, 0.95, 30.0]]);
+        let sensor = self.of(&[
+            [15.0, 0.5, 0.8, 60.0],
+            [15.0, 0.5, 0.8, 60.0],
+            [40.0, 1.5, 0.6, 128.0],
+            [4.0, 0.2, 0.95, 30.0],
+            // No match is false, or hardly any: what is far from the reading still explains it.
+            [15.0, 0.7, 1.0, 60.0],
+            [15.0, 0.4, 1.0 - 1e-9, 60.0],
+        ]);
         let cell_size = self.of(&[0.05, 0.02, 0.1, 0.4]);
         // Near, inside and behind the cells.
         let at = self.between(0.3, 1.5) * cells as f64 * cell_size;
         let observation =
             if self.unit() < 0.8 { (sensor[0] / at).min(sensor[3]) } else { self.between(0.0, sensor[3]) };
         let mut ray = Ray { cell_size, observation, prior, correlation, no_hit, sensor };
+        if ray.sensor[2] > 0.99 {
+            // A reading that next to nothing explains must not hang on the rounding of a pair that cannot be.
+            ray.prior.iter_mut().for_each(|p| *p = p.clamp(0.001, 0.999));
+            ray.correlation.iter_mut().for_each(|c| *c = c.abs());
+        }
         if let Some(last) = ray.correlation.last_mut().filter(|_| ray.no_hit.is_none()) {
             *last = last.min(0.99);
         }

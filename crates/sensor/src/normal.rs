@@ -2,8 +2,11 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
-/// Beyond this many standard deviations the density is below 1e-15 and counts as nothing.
+/// Beyond this many standard deviations the density is below 1e-15 and counts as nothing, beside anything else.
 pub(crate) const REACH: f64 = 8.5;
+
+/// Beyond this many it is no longer a number, and nothing even where there is nothing else.
+pub(crate) const FARTHEST: f64 = 39.0;
 
 /// Density of the standard normal distribution.
 pub(crate) fn density(x: f64) -> f64 {
@@ -17,8 +20,13 @@ fn tail(x: f64) -> f64 {
 
 /// Probability between `low` and `high`, without cancellation in the tails.
 pub(crate) fn between(low: f64, high: f64) -> f64 {
+    within(low, high, REACH)
+}
+
+/// The same, nothing beyond `reach`.
+fn within(low: f64, high: f64, reach: f64) -> f64 {
     debug_assert!(low <= high, "{low} > {high}");
-    if low > REACH || high < -REACH {
+    if low > reach || high < -reach {
         0.0
     } else if low > 0.0 || high < 0.0 {
         (tail(low) - tail(high)).abs()
@@ -27,16 +35,16 @@ pub(crate) fn between(low: f64, high: f64) -> f64 {
     }
 }
 
-/// Mean density over `low ..= high`; where the interval is short, the series about its middle,
-/// which leaves out terms of order `width^4 / 1920`.
-pub(crate) fn mean_density(low: f64, high: f64) -> f64 {
+/// Mean density over `low ..= high`, nothing beyond `reach`; where the interval is short, the series about
+/// its middle, which leaves out terms of order `width^4 / 1920`.
+pub(crate) fn mean_density(low: f64, high: f64, reach: f64) -> f64 {
     const SHORT: f64 = 1e-3;
     let width = high - low;
     if width >= SHORT {
-        return between(low, high) / width;
+        return within(low, high, reach) / width;
     }
     let middle = 0.5 * (low + high);
-    if middle.abs() > REACH {
+    if middle.abs() > reach {
         return 0.0;
     }
     density(middle) * (1.0 + width * width * (middle * middle - 1.0) / 24.0)
@@ -72,9 +80,9 @@ mod tests {
     fn the_mean_density_has_no_seam_where_the_series_takes_over() {
         for middle in [-4.0, -1.0, 0.0, 0.3, 2.5, 6.0] {
             let [series, exact] =
-                [0.999_999e-3, 1.000_001e-3].map(|w| mean_density(middle - w / 2.0, middle + w / 2.0));
+                [0.999_999e-3, 1.000_001e-3].map(|w| mean_density(middle - w / 2.0, middle + w / 2.0, REACH));
             assert!((series - exact).abs() < 2e-13, "{middle}: {series} {exact}");
-            assert!((mean_density(middle, middle) - density(middle)).abs() < 1e-16);
+            assert!((mean_density(middle, middle, REACH) - density(middle)).abs() < 1e-16);
         }
     }
 

@@ -49,6 +49,20 @@ impl Stereo {
     }
 }
 
+/// Density of correct matches, as a share of that of false ones, that counts as nothing.
+const NEGLIGIBLE: f64 = 1e-11;
+
+impl Stereo {
+    /// Standard deviations beyond which a correct match counts for nothing: where hardly any match is false, a
+    /// reading far from every obstacle still comes from one, and farther tails matter.
+    fn reach(&self) -> f64 {
+        let correct = self.correct_match / self.disparity_sigma * normal::density(0.0);
+        let least = NEGLIGIBLE * (1.0 - self.correct_match) / self.max_disparity;
+        let reach = libm::sqrt(2.0 * libm::log(correct / least).max(0.0));
+        reach.clamp(normal::REACH, normal::FARTHEST)
+    }
+}
+
 impl SensorModel for Stereo {
     /// Eq. (21): `P(o | F_k) = P(T) g_k(o) + (1 - P(T)) / D`, in 1/px, where `g_k` is the Gaussian
     /// averaged over the chord, uniformly in disparity. A kernel taken at the centre of a cell
@@ -58,12 +72,13 @@ impl SensorModel for Stereo {
         let cosine = libm::cos(bearing);
         let false_match = (1.0 - self.correct_match) / self.max_disparity;
         let scale = self.correct_match / self.disparity_sigma;
+        let reach = self.reach();
         let standardised = |range| (self.at_cosine(range, cosine) - reading) / self.disparity_sigma;
         let mut near = standardised(ranges[0]);
         for (l, &exit) in likelihood.iter_mut().zip(&ranges[1..]) {
             let far = standardised(exit);
             // A chord that starts at the sensor spans all disparities: nothing of it is matched.
-            let g = if near.is_finite() { normal::mean_density(far, near) } else { 0.0 };
+            let g = if near.is_finite() { normal::mean_density(far, near, reach) } else { 0.0 };
             *l = scale * g + false_match;
             near = far;
         }
@@ -71,7 +86,7 @@ impl SensorModel for Stereo {
 
     /// Where the Gaussian of the farthest disparities no longer reaches the reading.
     fn settled_from(&self, reading: f64, bearing: f64) -> f64 {
-        let least = reading - normal::REACH * self.disparity_sigma;
+        let least = reading - self.reach() * self.disparity_sigma;
         let cosine = libm::cos(bearing);
         if least > 0.0 && cosine > 0.0 { self.focal_baseline / (least * cosine) } else { f64::INFINITY }
     }
@@ -157,6 +172,34 @@ mod tests {
         assert!((likelihood(10.0, 3.0, 1.5, 1.55) - floor).abs() < 1e-15, "nor a ray behind the image plane");
         let peak = 0.8 / (0.5 * (2.0 * std::f64::consts::PI).sqrt()) + floor;
         assert!((likelihood(10.0, 0.0, 1.5, 1.5) - peak).abs() < 1e-12);
+    }
+
+    /// As far as the cameras of all scenes reach; their likelihoods do not depend on what comes farther out.
+    #[test]
+    fn without_false_matches_the_tails_count() {
+        assert!((STEREO.reach() - normal::REACH).abs() < 1e-15);
+        for (correct_match, sigmas) in [(1.0, 12.0), (1.0, 30.0), (1.0 - 1e-12, 9.5)] {
+            let sure = Stereo { correct_match, ..STEREO };
+            // A point, and a chord seen from its near end: phi(z) and the tail beyond z, from the asymptotic series.
+            let at = |z: f64| 15.0 / (10.0 + 0.5 * z);
+            let density = (-0.5 * sigmas * sigmas as f64).exp() / (2.0 * std::f64::consts::PI).sqrt();
+            let false_match = (1.0 - correct_match) / 60.0;
+            let mut found = [0.0; 2];
+            sure.likelihood(10.0, 0.0, &[at(sigmas), at(sigmas), at(sigmas)], &mut found);
+            assert!(
+                (found[0] / (correct_match * density / 0.5 + false_match) - 1.0).abs() < 1e-9,
+                "{sigmas}: {found:?}"
+            );
+            let width = 6.0;
+            sure.likelihood(10.0, 0.0, &[at(sigmas + width), at(sigmas)], &mut found[..1]);
+            let z2 = sigmas * sigmas;
+            let tail = density / sigmas * (1.0 - 1.0 / z2 + 3.0 / (z2 * z2) - 15.0 / (z2 * z2 * z2));
+            let expected = correct_match * tail / width / 0.5 + false_match;
+            assert!((found[0] / expected - 1.0).abs() < 1e-4, "{sigmas}: {found:?} {expected}");
+        }
+        let impossible = Stereo { correct_match: 1.0, ..STEREO };
+        assert!(impossible.settled_from(10.0, 0.0).is_infinite(), "10 px are 20 sigma from infinity");
+        assert!(impossible.settled_from(20.0, 0.0).is_finite(), "20 px are 40");
     }
 
     #[test]
