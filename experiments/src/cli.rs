@@ -8,6 +8,7 @@ use mapper::{CorrelationLaw, Prior, Reconciliation};
 use crate::compare::options::CompareOptions;
 use crate::ray::RayOptions;
 use crate::sensor_model::SensorOptions;
+use crate::tune::TuneOptions;
 
 /// Tells good maps from bad ones: simulates a robot with a stereo camera, maps what it sees by
 /// several rules, and scores the maps against the truth.
@@ -32,6 +33,8 @@ pub enum Command {
     Room(RoomOptions),
     /// All mappers over many generated worlds, with the statistics to say which is better, where and by how much
     Compare(CompareOptions),
+    /// Fit the parameters of mappers on the tuning set, which no result is reported on
+    Tune(TuneOptions),
     /// One viewing ray and one reading by every rule (Section 3.2, Figures 8-10)
     Ray(RayOptions),
     /// What a camera's reading says of range: its density and its kernel (Section 3.1, Figures 6 and 7)

@@ -17,6 +17,7 @@ pub mod ray;
 pub mod regions;
 pub mod scene;
 pub mod timeline;
+pub mod tuning;
 
 use plotters::prelude::*;
 

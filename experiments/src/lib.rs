@@ -27,3 +27,4 @@ pub mod summary;
 pub mod table;
 pub mod threads;
 pub mod trial;
+pub mod tune;

@@ -135,9 +135,7 @@ impl Ground {
         let mut walks: Vec<Walk> = mappers.iter().map(|entry| Walk::new(entry, setup(entry), &self.truth)).collect();
         let noise_free = mappers.iter().any(|entry| entry.kind == Kind::NoiseFree);
         for (i, simulated) in simulation.scans.iter().enumerate() {
-            for (ray, &range_m) in simulated.scan.rays().zip(&simulated.true_ranges_m) {
-                seen.add(&Sight { origin_m: ray.origin_m, direction: ray.direction, range_m });
-            }
+            look(&mut seen, simulated);
             let now = Now {
                 scans: i + 1,
                 scan: &simulated.scan,
@@ -182,6 +180,13 @@ impl Ground {
             }
         }
         Ok(scores)
+    }
+}
+
+/// Takes in what the rays of a scan could see, without the noise of its readings.
+pub fn look(seen: &mut Sightings, simulated: &SimulatedScan) {
+    for (ray, &range_m) in simulated.scan.rays().zip(&simulated.true_ranges_m) {
+        seen.add(&Sight { origin_m: ray.origin_m, direction: ray.direction, range_m });
     }
 }
 

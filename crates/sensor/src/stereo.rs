@@ -178,11 +178,11 @@ mod tests {
     #[test]
     fn without_false_matches_the_tails_count() {
         assert!((STEREO.reach() - normal::REACH).abs() < 1e-15);
-        for (correct_match, sigmas) in [(1.0, 12.0), (1.0, 30.0), (1.0 - 1e-12, 9.5)] {
+        for (correct_match, sigmas) in [(1.0, 12.0_f64), (1.0, 30.0), (1.0 - 1e-12, 9.5)] {
             let sure = Stereo { correct_match, ..STEREO };
             // A point, and a chord seen from its near end: phi(z) and the tail beyond z, from the asymptotic series.
             let at = |z: f64| 15.0 / (10.0 + 0.5 * z);
-            let density = (-0.5 * sigmas * sigmas as f64).exp() / (2.0 * std::f64::consts::PI).sqrt();
+            let density = (-0.5 * sigmas * sigmas).exp() / (2.0 * std::f64::consts::PI).sqrt();
             let false_match = (1.0 - correct_match) / 60.0;
             let mut found = [0.0; 2];
             sure.likelihood(10.0, 0.0, &[at(sigmas), at(sigmas), at(sigmas)], &mut found);

@@ -24,7 +24,9 @@ pub fn sections(plan: &Plan, rows: &Rows, pictures: &[Picture]) -> Vec<Section> 
     }
     let mut places = Vec::new();
     if parts.len() > 1 {
-        places.extend(["log_loss", "brier"].map(|metric| Part::Sheet(sheets::parts(rows, &mappers, &parts, metric))));
+        places.extend(
+            ["log_loss", "brier"].map(|metric| Part::Sheet(sheets::parts(rows, &mappers, &parts, metric, Width::Page))),
+        );
     }
     places.extend(Region::ALL.iter().map(|region| region_fold(rows, &mappers, region.name())));
     let mut trust = Vec::new();

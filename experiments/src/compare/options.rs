@@ -6,6 +6,9 @@ use clap::{Args, ValueEnum};
 
 use crate::cli::{Belief, Format, MOST_THREADS, count};
 
+/// The families of generated scenes that come with the program.
+pub const FAMILIES: &str = "scenes/clutter.toml,scenes/corridors.toml,scenes/halls.toml,scenes/two-rooms.toml";
+
 /// Options of `compare`.
 #[derive(Debug, Args)]
 pub struct CompareOptions {
@@ -17,7 +20,7 @@ pub struct CompareOptions {
         long,
         value_name = "FILE,FILE",
         value_delimiter = ',',
-        default_value = "scenes/clutter.toml,scenes/corridors.toml,scenes/halls.toml,scenes/two-rooms.toml"
+        default_value = FAMILIES
     )]
     pub families: Vec<PathBuf>,
     /// Worlds of each family under each condition [default: 30 test, 8 robustness, 10 tuning; 4 or 2 with --quick]

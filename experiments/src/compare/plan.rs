@@ -73,7 +73,7 @@ impl Plan {
         };
         Ok(Self {
             set,
-            families: families(options)?,
+            families: families(&options.families)?,
             paths: options.families.clone(),
             conditions: conditions.iter().map(|condition| condition.name).collect(),
             seeds,
@@ -162,9 +162,13 @@ fn is_the_reference(entry: &Entry, options: &CompareOptions) -> bool {
         }
 }
 
-fn families(options: &CompareOptions) -> Result<Vec<Family>, Failure> {
+/// The families of the given files.
+///
+/// # Errors
+/// A family that cannot be read, or two of a name.
+pub fn families(paths: &[PathBuf]) -> Result<Vec<Family>, Failure> {
     let mut families: Vec<Family> = Vec::new();
-    for path in &options.families {
+    for path in paths {
         let family = Family::load(path)?;
         if families.iter().any(|other| other.name == family.name) {
             let name = &family.name;

@@ -2,10 +2,11 @@
 
 use mapper::catalogue::{Entry, Kind};
 use scene::Family;
-use score::{Region, Scorer, Sight, Sightings};
+use score::{Region, Scorer, Sightings};
 
 use super::world::{Belief, Job};
 use crate::failure::Failure;
+use crate::trial::look;
 
 /// A map after so many repeats of one scan, over what that scan could see.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,9 +51,7 @@ pub fn repeat(
     for number in (0..scans).map(|k| k * simulation.scans.len() / scans) {
         let simulated = &simulation.scans[number];
         let mut seen = Sightings::new(&ground.truth);
-        for (ray, &range_m) in simulated.scan.rays().zip(&simulated.true_ranges_m) {
-            seen.add(&Sight { origin_m: ray.origin_m, direction: ray.direction, range_m });
-        }
+        look(&mut seen, simulated);
         let mask = seen.mask(Region::Observable);
         let scorer = Scorer::new(&ground.truth, seen.surface())?;
         for entry in mappers.iter().filter(|entry| entry.kind == Kind::Online) {

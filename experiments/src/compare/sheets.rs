@@ -88,12 +88,14 @@ pub fn differences(rows: &Rows, mappers: &[&str], scope: &str, region: &str, met
 }
 
 /// The difference of every mapper in every part: a column per family or condition.
-pub fn parts(rows: &Rows, mappers: &[&str], parts: &[&str], metric: &str) -> Sheet {
-    let title = criterion(metric).map_or("", |c| c.title);
+pub fn parts(rows: &Rows, mappers: &[&str], parts: &[&str], metric: &str, width: Width) -> Sheet {
+    let (title, decimals) = criterion(metric).map_or(("", 3), |c| (c.title, c.decimals));
+    // Two decimals are what a terminal has room for beside more parts than that.
+    let decimals = if width == Width::Terminal && parts.len() > 5 { 2 } else { decimals };
     let cell = |mapper: &str, part: &str| match rows.difference(part, OBSERVABLE, mapper, metric) {
         Some(d) if d.difference.is_some() => {
             let doubt = if d.is_sure() { "" } else { "?" };
-            let text = d.difference.map_or_else(String::new, |value| format!("{value:+.2}{doubt}"));
+            let text = d.difference.map_or_else(String::new, |value| format!("{value:+.decimals$}{doubt}"));
             Cell { text, tone: tone(d) }
         }
         _ => "-".into(),

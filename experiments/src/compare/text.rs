@@ -19,7 +19,7 @@ pub fn summary(plan: &Plan, rows: &Rows, claims: &[Claim]) -> String {
         shown.push(sheets::differences(rows, &mappers, ALL, OBSERVABLE, metric, Width::Terminal));
     }
     if parts.len() > 1 {
-        shown.push(sheets::parts(rows, &mappers, &parts, "log_loss"));
+        shown.push(sheets::parts(rows, &mappers, &parts, "log_loss", Width::Terminal));
     }
     for sheet in shown {
         let _ = writeln!(text, "{}\n{}", sheet.caption, printed(&sheet));

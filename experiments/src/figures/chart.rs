@@ -98,6 +98,9 @@ const MOST_MARKS: usize = 60;
 /// Length of a series' line in the legend, px.
 const LEGEND_PX: i32 = 28;
 
+/// Between the dashes of a line, px.
+const DASH_GAP_PX: i32 = 6;
+
 const BAND: RGBColor = RGBColor(238, 242, 246);
 
 /// Draws charts of the given size (px) side by side, and gives a PNG.
@@ -160,16 +163,19 @@ impl Chart {
             let (mark, colour) = (series.mark, series.colour);
             let line = mark.line(colour);
             let drawn = if mark == Mark::Dashes {
-                chart.draw_series(DashedLineSeries::new(points.clone(), 8, 6, line))
+                chart.draw_series(DashedLineSeries::new(points.clone(), 8, DASH_GAP_PX, line))
             } else {
                 chart.draw_series(LineSeries::new(points.clone(), line))
             };
             let drawn = drawn.map_err(Failure::internal)?;
             if !series.name.is_empty() {
                 drawn.label(&series.name).legend(move |at| {
-                    let line = PathElement::new(vec![(-LEGEND_PX / 2, 0), (LEGEND_PX / 2, 0)], mark.line(colour));
+                    let gap = if mark == Mark::Dashes { DASH_GAP_PX / 2 } else { 0 };
+                    let part = |from: i32, to: i32| PathElement::new(vec![(from, 0), (to, 0)], mark.line(colour));
+                    let [left, right] = [part(-LEGEND_PX / 2, -gap), part(gap, LEGEND_PX / 2)];
                     let [first, second] = mark.strokes(colour);
-                    EmptyElement::at((at.0 + LEGEND_PX / 2, at.1)) + line + first + second + mark.ring((0, 0), colour)
+                    let centre = EmptyElement::at((at.0 + LEGEND_PX / 2, at.1));
+                    centre + left + right + first + second + mark.ring((0, 0), colour)
                 });
             }
             if mark.at_points() {

@@ -156,12 +156,12 @@ pub fn repeats(rows: &Rows, mappers: &[&str]) -> Result<Vec<u8>, Failure> {
         legend,
     };
     let charts = [
-        panel("Log loss", Axis::logarithmic("nats/cell", 0.03..4.0), |r| r.log_loss, SeriesLabelPosition::UpperLeft),
+        panel("Log loss", Axis::logarithmic("nats/cell", 0.03..4.0), |r| r.log_loss, SeriesLabelPosition::LowerRight),
         panel(
             "Free space held free",
             Axis::linear("share", 0.0..1.0),
             |r| r.free_known,
-            SeriesLabelPosition::LowerLeft,
+            SeriesLabelPosition::LowerRight,
         ),
     ];
     chart::draw(&charts, (880, 640))

@@ -82,5 +82,6 @@ fn line(area: &Area, ends: [(i32, i32); 2], colour: RGBColor, width: u32) -> Res
 
 fn write(area: &Area, text: &str, at: (i32, i32), side: HPos, colour: &RGBColor) -> Result<(), Failure> {
     let style = ink::letters(ink::LABEL, colour).pos(Pos::new(side, VPos::Center));
-    area.draw(&Text::new(text.to_owned(), at, style)).map_err(Failure::internal)
+    // Centred are the letters with the room below them: without it they would stand too high.
+    area.draw(&Text::new(text.to_owned(), (at.0, at.1 + 3), style)).map_err(Failure::internal)
 }
