@@ -177,7 +177,7 @@ mod tests {
         let rule = |half_width, low, high| Candidate::Conventional(ConventionalRule { half_width, clamp: [low, high] });
         let tried = Tuned::ConventionalTuned.candidates();
         assert_eq!(rule(0.5, 0.02, 0.9).at_border(&tried), [""; 0]);
-        assert_eq!(rule(0.25, 0.02, 0.6).at_border(&tried), ["half_width_px", "clamp_high"]);
+        assert_eq!(rule(0.25, 0.02, 0.2).at_border(&tried), ["half_width_px", "clamp_high"]);
         assert_eq!(rule(0.5, EPSILON, 1.0 - EPSILON).at_border(&tried), [""; 0]);
         let fields = Tuned::Mrf.candidates();
         assert_eq!(fields[0].at_border(&fields), [""; 0], "no coupling below 0; one damping is no grid");

@@ -105,10 +105,10 @@ mod tests {
     fn the_least_mean_wins_and_of_equals_the_first() {
         let candidates = &Tuned::Mrf.candidates()[..4];
         let errors = |losses: [f64; 4]| losses.map(|log_loss| Errors { log_loss, brier: 2.0 * log_loss });
-        let [first, second] = [errors([0.4, 0.1, 0.25, 0.9]), errors([0.2, 0.5, 0.25, 0.1])];
+        let [first, second] = [errors([0.5, 0.125, 0.25, 0.875]), errors([0.125, 0.5, 0.25, 0.125])];
         let fit = Fit::new(Tuned::Mrf, candidates, &[&first, &second]);
         assert_eq!(fit.worlds, 2);
-        let expected = [0.3, 0.3, 0.25, 0.5];
+        let expected = [0.3125, 0.3125, 0.25, 0.5];
         for ((_, errors), expected) in fit.candidates.iter().zip(expected) {
             assert!((errors.log_loss - expected).abs() < 1e-15 && (errors.brier - 2.0 * expected).abs() < 1e-15);
         }

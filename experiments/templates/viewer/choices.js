@@ -48,7 +48,8 @@ function offer() {
   const by_rays = REGIONS.map(([name, what]) => [name, `${name}: ${what}`]);
   fill(element("viewer-region"), [by_rays[0], ...named, ...by_rays.slice(1)], chosen.region);
   element("viewer-stages").replaceChildren(...world.stages.map((stage) => {
-    const button = make("button", `${stage.name}: ${stage.label}`, { type: "button", "data-moment": `${stage.moment}` });
+    const text = stage.label === stage.name ? stage.name : `${stage.name}: ${stage.label}`;
+    const button = make("button", text, { type: "button", "data-moment": `${stage.moment}` });
     button.addEventListener("click", () => go(stage.moment));
     return button;
   }));
