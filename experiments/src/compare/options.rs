@@ -23,7 +23,7 @@ pub struct CompareOptions {
         default_value = FAMILIES
     )]
     pub families: Vec<PathBuf>,
-    /// Worlds of each family under each condition [default: 30 test, 8 robustness, 10 tuning; 4 or 2 with --quick]
+    /// Worlds of each family under each condition [default: 30 test, 8 robustness, 10 tuning; 4 or 1 with --quick]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = count(10_000))]
     pub seeds: Option<u32>,
     /// Batch mappers run on the first N of them only [default: a third]

@@ -58,7 +58,7 @@ impl Plan {
         let set = options.set;
         let conditions: &[Condition] = if set == Worlds::Robustness { &DEPARTURES } else { &[AS_BELIEVED] };
         let seeds = u64::from(options.seeds.unwrap_or(match (options.quick, set) {
-            (true, Worlds::Robustness) => 2,
+            (true, Worlds::Robustness) => 1,
             (true, _) => 4,
             (false, Worlds::Test) => 30,
             (false, Worlds::Robustness) => 8,
