@@ -43,8 +43,6 @@ pub struct Trial {
     pub simulation: Simulation,
     /// What the rays of the whole drive could see.
     pub seen: Sightings,
-    /// How many rays had looked at each cell at the moments of [`Keep::frames`].
-    pub looks: Vec<Raster<u32>>,
     /// One per mapper, in the order asked for.
     pub runs: Vec<Run>,
 }
@@ -129,7 +127,6 @@ impl Ground {
     ) -> Result<Trial, Failure> {
         let simulation = scene::simulate(&self.scene, &self.world, &self.drive, seed);
         let mut seen = Sightings::new(&self.truth);
-        let mut looks = Vec::new();
         let sharp = Setup { sensor: Arc::new(self.sharp()), ..setup.clone() };
         let setup = |entry: &Entry| if entry.kind == Kind::NoiseFree { &sharp } else { setup };
         let mut walks: Vec<Walk> = mappers.iter().map(|entry| Walk::new(entry, setup(entry), &self.truth)).collect();
@@ -149,9 +146,8 @@ impl Ground {
                 watch(number, walk.step(self, &now)?.as_ref());
                 Ok::<(), Failure>(())
             })?;
-            looks.extend(now.frame.then(|| seen.looks().clone()));
         }
-        Ok(Trial { seed, simulation, seen, looks, runs: walks.into_iter().map(|walk| walk.run).collect() })
+        Ok(Trial { seed, simulation, seen, runs: walks.into_iter().map(|walk| walk.run).collect() })
     }
 
     /// The camera that gives noise-free readings, as nearly as a mapper can believe in it: not so sharp that a
@@ -254,7 +250,6 @@ impl Trial {
     /// Forgets readings and maps, and keeps the scores.
     pub fn without_maps(mut self) -> Self {
         self.simulation.scans.clear();
-        self.looks.clear();
         for run in &mut self.runs {
             run.timeline.clear();
             run.frames.clear();
