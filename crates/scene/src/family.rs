@@ -25,6 +25,10 @@ pub struct Family {
     pub(crate) place: Place,
 }
 
+/// More obstacles than this take seconds to place, each beside all others, and minutes where one finds no place
+/// in any attempt.
+const MOST_PIECES: f64 = 4000.0;
+
 /// What is done to a family on purpose, to see what a mapper makes of a world it does not expect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Variation {
@@ -98,7 +102,8 @@ impl Family {
     /// The scene file of a layout, as text. The same seed gives the same text.
     ///
     /// # Errors
-    /// A size factor out of range, and a family whose obstacles leave no room for a route.
+    /// A size factor out of range, obstacles too many or too large for the share they are to cover, and a family
+    /// whose obstacles leave no room for a route.
     pub fn generate(&self, seed: u64, variation: &Variation) -> Result<String, SceneError> {
         Ok(self.text(seed, variation, &self.layout(seed, variation)?))
     }
@@ -126,6 +131,21 @@ impl Family {
             }));
         }
         let plan = Plan { obstacle_m: self.plan.obstacle_m * size_factor, ..self.plan.clone() };
+        let [width, height] = plan.size_m.map(|range| range[1]);
+        let pieces = plan.covered * width * height / (plan.obstacle_m * plan.obstacle_m);
+        if pieces > MOST_PIECES {
+            let least = 1e-3 * (1e3 * (plan.covered * width * height / MOST_PIECES).sqrt()).ceil();
+            return Err(invalid(Problem::Value {
+                element: "[generate]".to_owned(),
+                key: "obstacle_size".to_owned(),
+                value: plan.obstacle_m.to_string(),
+                bound: format!(
+                    "at least {least:.3} m, or about {pieces:.0} obstacles, more than {MOST_PIECES}, cover {} of a place of {width} x {height} m",
+                    plan.covered
+                ),
+                remedy: "give a larger obstacle_size or a lower covered".to_owned(),
+            }));
+        }
         let clear_m = self.robot_radius_m + plan.clearance_m;
         generate::layout(&plan, clear_m, seed).ok_or_else(|| {
             invalid(Problem::NoLayout {

@@ -198,6 +198,24 @@ fn a_route_is_looked_for_until_the_attempts_are_over() {
 }
 
 #[test]
+fn obstacles_too_large_for_their_share_or_too_many_are_refused() {
+    let asked = |size: [f64; 2], obstacle: f64, covered: f64| {
+        let text = format!(
+            "name = \"x\"\n[generate]\nkind = \"clutter\"\nwidth = {size:?}\nheight = {size:?}\nobstacle_size = {obstacle:?}\ncovered = {covered:?}\n"
+        );
+        let family = Family::parse(&text, Path::new("f.toml")).expect("valid");
+        family.generate(1, &Variation::default()).map_err(|error| error.to_string())
+    };
+    let message = asked([4.0, 4.0], 10.0, 0.04).expect_err("one obstacle covers more");
+    assert!(message.contains("must hold obstacles of 10 m over 0.04 of the floor"), "{message}");
+    assert!(asked([4.0, 4.0], 10.0, 0.0).is_ok(), "none was asked for");
+
+    let message = asked([90.0, 100.0], 0.1, 0.4).expect_err("400000 obstacles");
+    assert!(message.contains("f.toml:2:1: [generate]: obstacle_size = 0.1: must be at least 1.000 m"), "{message}");
+    assert!(message.contains("a place of 100 x 100 m; give a larger obstacle_size"), "{message}");
+}
+
+#[test]
 fn the_sets_do_not_meet() {
     let sets = [Set::Test, Set::Tuning, Set::Robustness].map(|set| set.seeds(Set::SIZE));
     assert_eq!(sets.clone().map(|s| s.start), [1, 10_001, 20_001]);

@@ -27,7 +27,7 @@ struct Room<'a> {
 }
 
 /// Furniture that covers the planned share of the outer area to within half a piece; none where a piece
-/// finds no place.
+/// finds no place, and where every piece is too large for that share.
 pub(super) fn place(plan: &Plan, structure: &Structure, clear_m: f64, rng: &mut ChaCha8Rng) -> Option<Vec<Piece>> {
     let shapes = structure.walls.iter().map(Piece::shape).collect();
     let mut room = Room { structure, clear_m, shapes, furniture: Vec::new(), covered_m2: 0.0 };
@@ -38,7 +38,7 @@ pub(super) fn place(plan: &Plan, structure: &Structure, clear_m: f64, rng: &mut 
     loop {
         let piece = piece(plan, rng);
         if room.covered_m2 + 0.5 * piece.area_m2() >= target_m2 {
-            return Some(room.furniture);
+            return Some(room.furniture).filter(|furniture| !furniture.is_empty() || plan.covered <= 0.0);
         }
         let against_wall = rng.random::<f64>() < plan.along_walls;
         let found = (0..TRIES).any(|_| {
