@@ -66,7 +66,7 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     let mut staging = Staging::open(&out)?;
     threads::limit(options.threads)?;
     let record = outputs::record(&plan);
-    let worlds = map_worlds(&plan, &out, &serde_json::to_string(&record).map_err(Failure::internal)?)?;
+    let worlds = map_worlds(&plan, &out, &configuration(&plan, &record)?)?;
     let findings = judge(&plan, worlds)?;
     let (viewer, _) = showcase::look(&plan)?;
     let rows = outputs::rows(&plan, &findings)?;
@@ -91,15 +91,24 @@ fn default_folder(plan: &Plan, quick: bool) -> PathBuf {
     Path::new("results").join(format!("compare{set}{}", if quick { "-quick" } else { "" }))
 }
 
+/// All that decides the scores of a world. The record names the families' files; what they say may change
+/// between an interruption and its continuation.
+fn configuration(plan: &Plan, record: &outputs::Record) -> Result<String, Failure> {
+    let record = serde_json::to_string(record).map_err(Failure::internal)?;
+    Ok(format!("{record}\n{:?}", plan.families))
+}
+
 /// Maps and scores every world that is not yet finished.
 fn map_worlds(plan: &Plan, out: &Path, configuration: &str) -> Result<Vec<World>, Failure> {
     let jobs = plan.jobs();
-    let journal = Journal::open(out, configuration)?;
+    let journal = Journal::open(out, configuration);
     let finished = Arc::new(AtomicUsize::new(0));
     let (done, all, place) = (Arc::clone(&finished), jobs.len(), out.display().to_string());
     interruption::keeps(move || {
         let done = done.load(Ordering::SeqCst);
-        format!("{done} of {all} worlds are finished and kept in {place}; run the same command again to go on")
+        let kept =
+            format!("{done} of {all} worlds are finished and kept in {place}; run the same command again to go on");
+        (done > 0).then_some(kept)
     });
     let progress = Progress::new(jobs.len());
     let worlds = engine::each(&jobs, rayon::current_num_threads(), |job| {

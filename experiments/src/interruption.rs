@@ -14,8 +14,8 @@ const RUN_AGAIN: u8 = 75;
 
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
-/// Says what is kept, for those commands that keep something.
-type Kept = Box<dyn Fn() -> String + Send>;
+/// Says what is kept, if anything, for those commands that keep something.
+type Kept = Box<dyn Fn() -> Option<String> + Send>;
 
 static KEPT: Mutex<Option<Kept>> = Mutex::new(None);
 
@@ -25,15 +25,17 @@ pub fn watch() {
     let _ = ctrlc::set_handler(|| {
         INTERRUPTED.store(true, Ordering::SeqCst);
         staging::abandon_all();
-        if let Some(kept) = KEPT.lock().ok().as_deref().and_then(Option::as_ref) {
-            let _ = writeln!(std::io::stderr(), "\ninterrupted: {}", kept());
+        let kept = kept();
+        if let Some(kept) = &kept {
+            let _ = writeln!(std::io::stderr(), "\ninterrupted: {kept}");
         }
-        std::process::exit(i32::from(code()));
+        std::process::exit(i32::from(code(kept.is_some())));
     });
 }
 
-/// From now on an interruption loses nothing: `kept` says what is there and how to go on.
-pub fn keeps(kept: impl Fn() -> String + Send + 'static) {
+/// From now on an interruption loses nothing that is finished: `kept` says what is there, if anything, and how to
+/// go on.
+pub fn keeps(kept: impl Fn() -> Option<String> + Send + 'static) {
     if let Ok(mut place) = KEPT.lock() {
         *place = Some(Box::new(kept));
     }
@@ -41,9 +43,13 @@ pub fn keeps(kept: impl Fn() -> String + Send + 'static) {
 
 /// The exit code if Ctrl-C was pressed: files then vanish under the hands of whoever still writes them.
 pub fn exit_code() -> Option<u8> {
-    INTERRUPTED.load(Ordering::SeqCst).then(code)
+    INTERRUPTED.load(Ordering::SeqCst).then(|| code(kept().is_some()))
 }
 
-fn code() -> u8 {
-    if KEPT.lock().is_ok_and(|kept| kept.is_some()) { RUN_AGAIN } else { ENDED }
+fn kept() -> Option<String> {
+    KEPT.lock().ok().as_deref().and_then(Option::as_ref).and_then(|kept| kept())
+}
+
+fn code(kept: bool) -> u8 {
+    if kept { RUN_AGAIN } else { ENDED }
 }

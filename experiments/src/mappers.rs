@@ -12,6 +12,10 @@ pub fn entries(names: &[String]) -> Result<Vec<&'static Entry>, Failure> {
     let known = || catalogue::MAPPERS.iter().map(|entry| entry.name);
     let mut entries: Vec<&'static Entry> = Vec::new();
     for name in names {
+        if name.is_empty() {
+            let all = known().collect::<Vec<_>>().join(", ");
+            return Err(Failure::BadInput(format!("--mappers: a name is empty; name one or more of: {all}")));
+        }
         let Some(entry) = catalogue::find(name) else {
             let likeness = |known: &str| strsim::normalized_damerau_levenshtein(known, name);
             let nearest = known().max_by(|a, b| likeness(a).total_cmp(&likeness(b)));

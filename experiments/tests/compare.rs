@@ -50,6 +50,14 @@ impl Place {
         command
     }
 
+    /// Number of finished worlds in a folder that is not complete.
+    fn kept(&self, out: &str) -> usize {
+        let journals = fs::read_dir(self.path(out)).into_iter().flatten().flatten().map(|entry| entry.path());
+        let journals = journals.filter(|path| path.to_string_lossy().contains(".finished-"));
+        let worlds = journals.flat_map(fs::read_dir).flatten().flatten().map(|entry| entry.path());
+        worlds.filter(|path| path.extension().is_some_and(|extension| extension == "json")).count()
+    }
+
     /// Runs and expects an exit code; gives stdout and stderr.
     fn expect(&self, code: i32, args: &[&str]) -> (String, String) {
         checked(code, args, &self.command(args).output().expect("runs"))
@@ -136,16 +144,7 @@ fn the_same_bytes_with_any_number_of_threads_and_after_an_interruption() {
     // Interrupted when the first world is finished.
     let mut command = place.command(&args("cut", "1"));
     let run = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("runs");
-    let finished = || {
-        let journals = fs::read_dir(place.path("cut")).into_iter().flatten().flatten().map(|entry| entry.path());
-        let journals = journals.filter(|path| path.to_string_lossy().contains(".finished-"));
-        journals
-            .flat_map(fs::read_dir)
-            .flatten()
-            .flatten()
-            .filter(|e| e.path().extension().is_some_and(|e| e == "json"))
-            .count()
-    };
+    let finished = || place.kept("cut");
     while finished() == 0 {
         std::thread::sleep(Duration::from_millis(1));
     }
@@ -155,6 +154,32 @@ fn the_same_bytes_with_any_number_of_threads_and_after_an_interruption() {
     assert!((1..12).contains(&finished()) && !place.path("cut/run.json").exists());
     place.expect(0, &args("cut", "2"));
     assert_eq!(one, files(&place.path("cut")), "the rest, and nothing of the interruption");
+}
+
+#[test]
+fn an_interruption_keeps_no_world_of_a_family_that_was_changed_since() {
+    let place = Place::new();
+    let args = ["--seeds", "12", "--mappers", "visibility,conventional", "--threads", "1"];
+    let run = place.command(&[&args[..], &["--out", "cut"]].concat()).stderr(Stdio::null()).spawn();
+    let mut run = run.expect("runs");
+    while place.kept("cut") == 0 {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    run.kill().expect("kill");
+    run.wait().expect("ends");
+    fs::write(place.path("nook.toml"), FAMILY.replace("0.04", "0.08")).expect("writable");
+    place.expect(0, &[&args[..], &["--out", "cut"]].concat());
+    place.expect(0, &[&args[..], &["--out", "whole"]].concat());
+    assert!(files(&place.path("cut")) == files(&place.path("whole")), "worlds of two families are mixed");
+}
+
+#[test]
+fn a_comparison_that_fails_with_its_first_world_leaves_nothing() {
+    let place = Place::new();
+    fs::write(place.path("nook.toml"), FAMILY.replace("radius = 0.15", "radius = 1.8")).expect("writable");
+    let (_, err) = place.expect(2, &["--out", "o"]);
+    assert!(err.contains("nook.toml:3:1: [generate]: layout 1 finds no room"), "{err}");
+    assert!(!place.path("o").exists());
 }
 
 #[test]
@@ -222,6 +247,8 @@ fn bad_options_are_refused_before_any_work() {
         assert!(!place.path("o").exists(), "{args:?} left something");
     };
     refused(&["--mappers", "visibility,mfr"], "no mapper \"mfr\"; the nearest is 'mrf', all are: visibility, ");
+    refused(&["--mappers", "visibility,"], "--mappers: a name is empty; name one or more of: visibility, ");
+    refused(&["--mappers", "visibility"], "nothing is compared with visibility; add another mapper");
     refused(&["--mappers", "conventional"], "all are compared with visibility, which is not among them; add it");
     refused(&["--mappers", "visibility,visibility"], "given twice");
     refused(&["--families", "nook.toml,twin.toml"], "a family named \"nook\" is among them");

@@ -1,7 +1,7 @@
 //! Finished worlds, kept so that a comparison that was interrupted goes on where it was.
 
 use std::fs;
-use std::hash::{DefaultHasher, Hash as _, Hasher as _};
+use std::hash::{DefaultHasher, Hash, Hasher as _};
 use std::path::{Path, PathBuf};
 
 use super::world::{Job, World};
@@ -10,7 +10,10 @@ use crate::failure::Failure;
 /// Beginning of the names of folders of finished worlds.
 const PREFIX: &str = ".finished-";
 
-/// A folder with a file per finished world, inside the output folder until that is complete.
+/// A folder with a file per finished world, inside the output folder until that is complete. It is made
+/// with the first world, so that a comparison that fails before leaves nothing.
+///
+/// A file is a digest of the world, a line feed, and the world as JSON.
 ///
 /// Its name holds a digest of the configuration and of the program: worlds that were mapped with
 /// other options, or by another build, are not taken for those asked for.
@@ -20,20 +23,17 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// Opens the journal of a configuration in the output folder.
-    ///
-    /// # Errors
-    /// A folder that cannot be made.
-    pub fn open(out: &Path, configuration: &str) -> Result<Self, Failure> {
-        let folder = out.join(format!("{PREFIX}{:016x}", digest(configuration)));
-        fs::create_dir_all(&folder).map_err(|e| Failure::write(&folder, &e))?;
-        Ok(Self { folder })
+    /// The journal of a configuration in the output folder.
+    pub fn open(out: &Path, configuration: &str) -> Self {
+        Self { folder: out.join(format!("{PREFIX}{:016x}", configuration_digest(configuration))) }
     }
 
-    /// The world of a job, if it was finished before. A file that was cut short does not count.
+    /// The world of a job, if it was finished before. A file that was cut short or changed does not count.
     pub fn read(&self, job: &Job) -> Option<World> {
-        let bytes = fs::read(self.file(job)).ok()?;
-        serde_json::from_slice(&bytes).ok().filter(|world: &World| world.job == *job)
+        let text = fs::read_to_string(self.file(job)).ok()?;
+        let (sum, world) = text.split_once('\n')?;
+        let whole = sum == format!("{:016x}", digest(&world));
+        serde_json::from_str(world).ok().filter(|world: &World| whole && world.job == *job)
     }
 
     /// Keeps a finished world: whole or not at all.
@@ -43,10 +43,14 @@ impl Journal {
     pub fn keep(&self, world: &World) -> Result<(), Failure> {
         let path = self.file(&world.job);
         let partial = path.with_extension("partial");
-        let bytes = serde_json::to_vec(world).map_err(Failure::internal)?;
-        let written = fs::write(&partial, bytes).and_then(|()| fs::rename(&partial, &path));
+        let text = serde_json::to_string(world).map_err(Failure::internal)?;
+        let text = format!("{:016x}\n{text}", digest(&text.as_str()));
+        let written = fs::create_dir_all(&self.folder)
+            .and_then(|()| fs::write(&partial, text))
+            .and_then(|()| fs::rename(&partial, &path));
         written.map_err(|e| {
             let _ = fs::remove_file(&partial);
+            let _ = fs::remove_dir(&self.folder); // refused by the system unless it is empty
             Failure::write(&path, &e)
         })
     }
@@ -66,10 +70,13 @@ impl Journal {
 }
 
 /// Of the configuration and of the running program.
-fn digest(configuration: &str) -> u64 {
+fn configuration_digest(configuration: &str) -> u64 {
+    digest(&(configuration, std::env::current_exe().and_then(fs::read).unwrap_or_default()))
+}
+
+fn digest(value: &impl Hash) -> u64 {
     let mut hasher = DefaultHasher::new();
-    configuration.hash(&mut hasher);
-    std::env::current_exe().and_then(fs::read).unwrap_or_default().hash(&mut hasher);
+    value.hash(&mut hasher);
     hasher.finish()
 }
 
@@ -95,15 +102,25 @@ mod tests {
     #[test]
     fn what_is_kept_is_read_to_the_last_bit_and_nothing_else() {
         let out = tempfile::tempdir().expect("temporary folder");
-        let journal = Journal::open(out.path(), "one").expect("writable");
+        let journal = Journal::open(out.path(), "one");
+        assert_eq!(fs::read_dir(out.path()).expect("there").count(), 0, "nothing is kept yet");
         journal.keep(&world(1)).expect("writable");
         assert_eq!(journal.read(&world(1).job), Some(world(1)));
         assert_eq!(journal.read(&world(2).job), None);
         assert_eq!(journal.read(&Job { batch: false, ..world(1).job }), None, "fewer mappers ran on it");
-        assert_eq!(Journal::open(out.path(), "two").expect("writable").read(&world(1).job), None);
+        assert_eq!(Journal::open(out.path(), "two").read(&world(1).job), None);
 
-        fs::write(journal.file(&world(2).job), b"{\"job\":").expect("writable");
-        assert_eq!(journal.read(&world(2).job), None, "cut short");
+        let kept = fs::read_to_string(journal.file(&world(1).job)).expect("kept");
+        for (wrong, why) in [
+            (kept[..kept.len() / 2].to_owned(), "cut short"),
+            (kept.replacen(":7", ":8", 1), "a number changed"),
+            (kept[17..].to_owned(), "no digest"),
+            (String::new(), "empty"),
+        ] {
+            assert_ne!(wrong, kept);
+            fs::write(journal.file(&world(1).job), wrong).expect("writable");
+            assert_eq!(journal.read(&world(1).job), None, "{why}");
+        }
         Journal::clear(out.path());
         assert_eq!(fs::read_dir(out.path()).expect("there").count(), 0);
     }
@@ -111,8 +128,8 @@ mod tests {
     #[test]
     fn a_world_that_cannot_be_kept_is_an_error_and_leaves_nothing() {
         let out = tempfile::tempdir().expect("temporary folder");
-        let journal = Journal::open(out.path(), "one").expect("writable");
-        fs::create_dir(journal.file(&world(1).job)).expect("writable");
+        let journal = Journal::open(out.path(), "one");
+        fs::create_dir_all(journal.file(&world(1).job)).expect("writable");
         let message = journal.keep(&world(1)).expect_err("in the way").to_string();
         assert!(message.contains("cannot be written"), "{message}");
         assert_eq!(fs::read_dir(&journal.folder).expect("there").count(), 1);

@@ -55,6 +55,10 @@ impl Plan {
             let message = format!("--mappers: all are compared with {REFERENCE}, which is not among them; add it");
             return Err(Failure::BadInput(message));
         }
+        if mappers.len() == 1 {
+            let message = format!("--mappers: nothing is compared with {REFERENCE}; add another mapper (see `list`)");
+            return Err(Failure::BadInput(message));
+        }
         let set = options.set;
         let conditions: &[Condition] = if set == Worlds::Robustness { &DEPARTURES } else { &[AS_BELIEVED] };
         let seeds = u64::from(options.seeds.unwrap_or(match (options.quick, set) {
@@ -135,8 +139,15 @@ impl Plan {
             n => format!(" x {n} conditions"),
         };
         let (families, worlds) = (self.families.len(), self.jobs().len());
-        let (set, seeds, mappers) = (self.set.name(), self.seeds, self.mappers.len());
-        format!("{set} set, {families} families{conditions} x {seeds} seeds = {worlds} worlds, {mappers} mappers")
+        let counted = |count: u64, one: &str, many: &str| format!("{count} {}", if count == 1 { one } else { many });
+        format!(
+            "{} set, {}{conditions} x {} = {}, {} mappers",
+            self.set.name(),
+            counted(families as u64, "family", "families"),
+            counted(self.seeds, "seed", "seeds"),
+            counted(worlds as u64, "world", "worlds"),
+            self.mappers.len()
+        )
     }
 
     /// What to know of the batch mappers, if any run on fewer worlds than the others.
