@@ -7,14 +7,12 @@ mod compare;
 mod folder;
 mod room;
 
-use std::fs;
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
 
 use self::folder::Folder;
 use crate::cli::ReportOptions;
 use crate::failure::Failure;
-use crate::staging::RECORD;
+use crate::staging::{self, RECORD};
 
 /// Makes the page.
 ///
@@ -33,18 +31,7 @@ pub fn run(options: &ReportOptions) -> Result<(), Failure> {
         None => return Err(folder.refuse(RECORD, "names no command; give a folder that 'room' or 'compare' left")),
     };
     let out = options.out.clone().unwrap_or_else(|| options.folder.join("report.html"));
-    replace(&out, html.as_bytes())?;
+    staging::replace(&out, html.as_bytes())?;
     let _ = writeln!(std::io::stderr(), "{}", out.display());
     Ok(())
-}
-
-/// Writes a file whole or not at all.
-fn replace(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    let mut partial = path.as_os_str().to_owned();
-    partial.push(format!(".partial-{}", std::process::id()));
-    let partial = PathBuf::from(partial);
-    fs::write(&partial, bytes).and_then(|()| fs::rename(&partial, path)).map_err(|e| {
-        let _ = fs::remove_file(&partial);
-        Failure::BadInput(format!("{}: cannot be written: {e}; choose another file with --out", path.display()))
-    })
 }

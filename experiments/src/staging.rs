@@ -127,6 +127,20 @@ impl Drop for Staging {
     }
 }
 
+/// Writes a single file whole or not at all.
+///
+/// # Errors
+/// A place that cannot be written.
+pub fn replace(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    let mut partial = path.as_os_str().to_owned();
+    partial.push(format!(".partial-{}", std::process::id()));
+    let partial = PathBuf::from(partial);
+    fs::write(&partial, bytes).and_then(|()| fs::rename(&partial, path)).map_err(|e| {
+        let _ = fs::remove_file(&partial);
+        Failure::BadInput(format!("{}: cannot be written: {e}; choose another file with --out", path.display()))
+    })
+}
+
 /// Removes all that is in the making: the program is about to end.
 pub fn abandon_all() {
     for path in OPEN.lock().iter().flat_map(|open| open.iter()) {

@@ -399,5 +399,8 @@ fn a_generated_scene_file_is_the_layout() {
     assert!(err.contains("must be a number from 0.1 to 10"), "{err}");
     let (_, err) = place.expect(2, &["scene", "generate", "closet.toml"]);
     assert!(err.contains("closet.toml:3:2: the family: unknown key `bounds`"), "{err}");
-    place.expect(1, &[&generate[..], &["--out", "no/such/folder.toml"]].concat());
+    place.expect(2, &[&generate[..], &["--out", "no/such/folder.toml"]].concat());
+    let (_, err) = place.expect(2, &[&generate[..], &["--out", "./attics.toml"]].concat());
+    assert!(err.contains("./attics.toml: is the family itself"), "{err}");
+    assert_eq!(place.expect(0, &generate).0, text, "and it is as it was");
 }
