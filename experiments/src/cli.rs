@@ -107,7 +107,7 @@ pub struct RoomOptions {
 /// Options of `report`.
 #[derive(Debug, Args)]
 pub struct ReportOptions {
-    /// Folder that `room` left
+    /// Folder that `room` or `compare` left
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
     /// Page to write [default: report.html in the folder]

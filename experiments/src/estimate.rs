@@ -25,6 +25,20 @@ const COLUMNS: [&str; 10] = [
     "complete_run_m",
 ];
 
+/// The columns in a terminal of 80 columns.
+const HEADS: [&str; 10] = [
+    "cell",
+    "truth",
+    "occupancy",
+    "c",
+    "predicted\nc",
+    "c at\n5 cm",
+    "length",
+    "length\nfit",
+    "mean\nrun",
+    "whole\nrun",
+];
+
 /// The world, sampled at points on a grid of half the cell size: at distances of whole cells, points lie at two
 /// phases against the cells in every direction, and never on a wall that ends where cells do.
 struct World {
@@ -129,12 +143,14 @@ fn text(name: &str, cell_m: f64, table: &Table, [world, cells]: [Option<Prior>; 
         "{name}: at {cell_m} m\n\n\
          the world                           {}\n\
          the cells that maps are scored on   {}\n\n{}\n\
-         world: points that far apart. cells: neighbours, occupied where any part is covered. predicted: c(d) = exp(-d / ((1 - p) L)) with p and L of\n\
-         the world at {cell_m} m. correlation_5cm: carried to 5 cm by that law. length: L by the correlation beside it, and fitted over all lags with\n\
-         c >= 0.3. run: mean occupied run along rows and columns with the ends that are seen, and of those with both ends.\n",
+         world: points that far apart. cells: neighbours, occupied where any part is\n\
+         covered. c: correlation. predicted: c(d) = exp(-d / ((1 - p) L)) with p and L of\n\
+         the world at {cell_m} m. c at 5 cm: carried there by that law. length: L by the c\n\
+         beside it; length fit: over all lags with c >= 0.3. mean run: occupied, along\n\
+         rows and columns, with the ends that are seen; whole run: with both ends.\n",
         options(world),
         options(cells),
-        aligned(&COLUMNS.map(|column| column.trim_end_matches("_m")), &rows),
+        aligned(&HEADS, &rows),
     )
 }
 

@@ -70,6 +70,7 @@ fn text_names_the_options_and_csv_the_columns() {
     let text = estimate(&root, &["scenes/clutter.toml", "--layout", "2"]);
     assert!(text.starts_with("scenes/clutter.toml, layout 2: at 0.05 m\n"), "{text}");
     assert!(text.contains("--prior 0.") && text.contains("--correlation 0."), "{text}");
+    assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
     let csv = estimate(&root, &["scenes/room.toml", "--grid", "0.1", "--format", "csv"]);
     let lines: Vec<&str> = csv.lines().collect();
     assert!(lines[0].starts_with("cell_m,truth,occupancy,correlation,predicted,"), "{csv}");

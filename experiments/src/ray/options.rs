@@ -28,10 +28,11 @@ const RAY_FILE: &str = "A ray file is TOML. Cell k spans k to k + 1 cell sizes f
   cell_size = 0.05            # m
   observation = 10.0          # px
   prior = 0.1                 # 0 to 1, or a list with one per cell
-  correlation = 0.871         # -1 to 1, or a list with one per neighbouring pair; taken
-                              # as it is, whatever the cell size
-  no_hit_likelihood = 0.004   # 1/px; if not given, the prior goes on past the last cell
-                              # with that cell's prior and the last pair's correlation
+  correlation = 0.871         # -1 to 1, or a list with one per neighbouring
+                              # pair; as it is, whatever the cell size
+  no_hit_likelihood = 0.004   # 1/px; if not given, the chain goes on past the
+                              # last cell with that cell's prior and the last
+                              # pair's correlation
   [sensor]                    # the paper's camera where not given
   focal_baseline = 15.0       # px·m
   disparity_sigma = 0.5       # px
