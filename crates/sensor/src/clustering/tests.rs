@@ -166,6 +166,33 @@ fn where_no_other_surface_is_near_there_is_nothing_to_copy() {
     near.is(0.5 + 0.5 * 4.0 / 60.0, 1.0, "half and half");
 }
 
+/// Neither the sides nor the sizes of near misses are skewed, nor the readings that are uniform over the search range:
+/// on one flat surface every mismatch is one or the other.
+#[test]
+fn near_misses_and_the_uniform_rest_are_spread_evenly() {
+    let errors = |near_misses: f64| {
+        let matcher = clustered(Clustering { copies: 0.0, near_misses, ..Clustering::default() }, 1e-3);
+        let readings: Vec<f64> =
+            (0..200).flat_map(|seed| scan(&matcher, &[20.0; COLUMNS], seed)).flatten().map(|px| px - 20.0).collect();
+        readings.into_iter().filter(|error| error.abs() > 0.01)
+    };
+    let (mut above, mut large) = (Share::default(), [Share::default(); 3]);
+    for error in errors(1.0) {
+        above.count(error > 0.0);
+        large.iter_mut().zip([1.5, 2.0, 2.5]).for_each(|(share, edge)| share.count(error.abs() > edge));
+    }
+    above.is(0.5, 1.0, "to the side of the larger disparity");
+    large
+        .into_iter()
+        .zip([0.75, 0.5, 0.25])
+        .for_each(|(share, expected)| share.is(expected, 1.0, "size of near misses"));
+    let mut upper = [Share::default(); 3];
+    for error in errors(0.0) {
+        upper.iter_mut().zip([15.0, 30.0, 45.0]).for_each(|(share, edge)| share.count(20.0 + error > edge));
+    }
+    upper.into_iter().zip([0.75, 0.5, 0.25]).for_each(|(share, expected)| share.is(expected, 1.0, "uniform"));
+}
+
 #[test]
 fn the_nearest_other_surface_is_copied_and_the_foreground_of_two_as_near() {
     let clustering = Clustering { copy_reach: 3, ..Clustering::default() };
