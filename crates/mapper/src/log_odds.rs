@@ -188,6 +188,16 @@ mod tests {
         assert!((mapper.occupancy()[30] - 0.9).abs() < 1e-12 && (mapper.occupancy()[3] - 0.1).abs() < 1e-12);
     }
 
+    /// Hornung et al. (2013): 0.12 and 0.97.
+    #[test]
+    fn octomap_stops_at_its_own_clamps() {
+        let mut mapper = mapper(LogOdds::OCTOMAP);
+        for _ in 0..20 {
+            mapper.integrate(&scan(&[10.0]));
+        }
+        assert!((mapper.occupancy()[30] - 0.97).abs() < 1e-12 && (mapper.occupancy()[3] - 0.12).abs() < 1e-12);
+    }
+
     #[test]
     fn points_outside_the_map_clear_up_to_the_border_and_infinity_clears_nothing() {
         let mut mapper = mapper(LogOdds::OCTOMAP);

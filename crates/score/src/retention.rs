@@ -131,6 +131,21 @@ mod tests {
         assert_eq!(after("#?", &[lost, kept]), (None, 0));
     }
 
+    /// A map that is right, says nothing, or says the opposite, scan after scan; and an all-free world.
+    #[test]
+    fn perfect_prior_and_inverted_maps() {
+        let map = |free: f64, occupied: f64| {
+            let (free, occupied): ([_; 2], [_; 2]) = ([(true, free); 2], [(true, occupied); 2]);
+            after("..#.", &[&free, &free, &occupied, &free])
+        };
+        assert_eq!(map(0.0, 1.0), (Some(1.0), 3), "perfect");
+        assert_eq!(map(1.0, 0.0), (None, 0), "inverted: nothing is ever held free");
+        assert_eq!(map(0.5, 0.5), (None, 0), "says nothing");
+        assert_eq!(map(0.1, 0.1), (Some(1.0), 3), "a prior of 0.1 holds free whatever is seen, and loses nothing");
+        let turned: &[_] = &[(true, 0.0), (true, 1.0)];
+        assert_eq!(after("...", &[turned, turned, turned]), (Some(0.0), 3), "all free, from right to wrong");
+    }
+
     #[test]
     fn a_mask_narrows_the_support() {
         let truth = drawn(&["...."]);

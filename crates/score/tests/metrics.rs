@@ -2,7 +2,9 @@
 
 use grid::{GridSpec, Raster};
 use proptest::prelude::*;
-use score::{ErrorBin, LOOK_EDGES, Metric, Scorer, Scores, error_profile, log_loss, reliability};
+use score::{
+    ErrorBin, LOOK_EDGES, Metric, Retention, Scorer, Scores, error_profile, log_loss, probability_bins, reliability,
+};
 
 /// A random case: truth, surface marks, mask and map over one grid.
 #[derive(Debug, Clone)]
@@ -276,6 +278,9 @@ proptest! {
             Scorer::new(&case.truth, &case.surface).and_then(|s| s.scores(&case.map, &case.mask)).map(|_| ()),
             log_loss(&case.map, &case.truth, &case.mask).map(|_| ()),
             reliability(&case.map, &case.truth, &case.mask).map(|_| ()),
+            probability_bins(&case.map, &case.truth, &case.mask).map(|_| ()),
+            error_profile(&case.map, &case.truth, &case.mask, &case.map.map(|_| 0.0), &LOOK_EDGES).map(|_| ()),
+            Retention::new(&case.truth).observe(&case.mask, &case.map),
         ];
         for refused in refused {
             let message = refused.expect_err("refused").to_string();
