@@ -6,6 +6,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use mapper::{CorrelationLaw, Prior, Reconciliation};
 
 use crate::compare::options::CompareOptions;
+use crate::gate::GateOptions;
 use crate::ray::RayOptions;
 use crate::sensor_model::SensorOptions;
 use crate::tune::TuneOptions;
@@ -17,7 +18,7 @@ use crate::tune::TuneOptions;
     name = "experiments",
     version,
     max_term_width = 100,
-    after_help = "Exit codes: 0 done, 1 internal or I/O error, 2 usage or bad input, 3 a claim does not hold, \
+    after_help = "Exit codes: 0 done, 1 internal or I/O error, 2 usage or bad input, 3 a claim does not hold or a gate fails, \
                   75 interrupted, run again to go on, 130 Ctrl-C."
 )]
 pub struct Cli {
@@ -33,6 +34,8 @@ pub enum Command {
     Room(RoomOptions),
     /// All mappers over many generated worlds, with the statistics to say which is better, where and by how much
     Compare(CompareOptions),
+    /// Check maps against bounds and baselines, for the build to fail when they get worse
+    Gate(GateOptions),
     /// Fit the parameters of mappers on the tuning set, which no result is reported on
     Tune(TuneOptions),
     /// One viewing ray and one reading by every rule (Section 3.2, Figures 8-10)

@@ -11,6 +11,7 @@ pub mod compare;
 pub mod estimate;
 pub mod failure;
 pub mod figures;
+pub mod gate;
 pub mod generate;
 pub mod interruption;
 pub mod list;

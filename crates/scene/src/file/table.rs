@@ -164,7 +164,10 @@ impl<'a> Table<'a> {
     }
 
     /// The tables of an array such as `[[box]]`, numbered from 1.
-    pub(super) fn list(&self, key: &str) -> Result<Vec<Self>, SceneError> {
+    ///
+    /// # Errors
+    /// Something else under this key.
+    pub fn list(&self, key: &str) -> Result<Vec<Self>, SceneError> {
         let Some(value) = self.get(key) else { return Ok(Vec::new()) };
         let refused = |value| self.refuse(key, value, "a list of tables", &format!("write [[{key}]] above each"));
         let DeValue::Array(items) = value.get_ref() else { return Err(refused(value)) };
@@ -240,7 +243,10 @@ impl<'a> Table<'a> {
     }
 
     /// A name that can be part of a file name.
-    pub(super) fn name(&self, key: &str) -> Result<String, SceneError> {
+    ///
+    /// # Errors
+    /// No such key; anything else than 1 to 32 letters, digits, `-` or `_`.
+    pub fn name(&self, key: &str) -> Result<String, SceneError> {
         let Some(value) = self.get(key) else { return Err(self.missing(key, &format!("`{key} = \"...\"`"))) };
         let fit = |s: &&str| {
             let plain = s.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_');
