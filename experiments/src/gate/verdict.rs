@@ -208,3 +208,6 @@ pub fn baselines(gates: &[Gate], measured: &Measured) -> Result<Values, Failure>
     }
     Ok(values)
 }
+
+#[cfg(test)]
+mod tests;

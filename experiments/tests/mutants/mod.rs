@@ -9,7 +9,7 @@ use mapper::{Chain, Mapper, Moments, PairwiseGrid, Prior, RayPosterior, Reconcil
 use sensor::{Placement, Scan, SensorModel};
 
 /// Every mutant, named after what it replaces: gates judge it as they would judge a change of `visibility`.
-pub const MUTANTS: [(&str, Entry); 4] = [
+pub(crate) const MUTANTS: [(&str, Entry); 4] = [
     ("correlation forced to 0", mutant(|setup| Box::new(Visibility::exact(&without_correlation(setup))))),
     ("tail beyond the map dropped", mutant(|setup| Box::new(Visibility::new(setup, without_tail)))),
     ("reconciliation left out", mutant(|setup| Box::new(Unreconciled::new(setup)))),

@@ -1,7 +1,7 @@
 use super::*;
 use crate::drive;
 
-const SHIPPED: [&str; 4] = ["clutter", "corridors", "halls", "two-rooms"];
+const SHIPPED: [&str; 5] = ["clutter", "closets", "corridors", "halls", "two-rooms"];
 
 fn shipped(name: &str) -> Family {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../scenes/{name}.toml"));

@@ -8,7 +8,7 @@ use mapper::catalogue::{Entry, Kind, Setup};
 use sensor::{Scan, SensorModel};
 
 /// How gates call the mapper, and how they make one.
-pub const COUNTING: Entry = Entry {
+pub(crate) const COUNTING: Entry = Entry {
     name: "counting",
     summary: "the share of looks at a cell that hit it",
     source: "own-gate",
