@@ -169,7 +169,7 @@ fn worlds(table: &Table, sites: &mut BTreeMap<String, Site>) -> Result<(Vec<Worl
     };
     let mut names = Vec::new();
     if table.get("scene").is_some() {
-        for key in ["families", "set"].into_iter().filter(|key| table.get(key).is_some()) {
+        if let Some(key) = ["families", "set"].into_iter().find(|key| table.get(key).is_some()) {
             return Err(refuse(table, key, "left out beside `scene`", "a scene has neither layouts nor sets"));
         }
         names.push(site(table, "scene", one_text(table, "scene")?, sites, Site::scene)?);
