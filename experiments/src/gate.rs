@@ -1,6 +1,6 @@
 //! `gate`: the build fails when maps get worse, with a message that says which metric, where and by how much.
 //!
-//! A file of gates ([`file`]) says what must hold of which mapper; what it needs is mapped and scored anew from fixed
+//! A file of gates ([`mod@file`]) says what must hold of which mapper; what it needs is mapped and scored anew from fixed
 //! seeds ([`measure`]), and judged by bounds, by another mapper, or by values kept from a time when the maps were
 //! good ([`baseline`], [`verdict`]). [`program`] is the whole of it as a program of your own, with your own mappers.
 

@@ -79,7 +79,8 @@ pub fn text(outcomes: &[Outcome], heading: &str) -> String {
     }
     let mut text = format!("{heading}\n\n{}", aligned(&heads, &rows));
     let outgrown: Vec<&str> = outcomes.iter().filter(|o| o.outgrown()).map(|o| o.gate.name.as_str()).collect();
-    if !outgrown.is_empty() {
+    // Not beside gates that fail: a change that trades one thing for another is no progress to hold.
+    if !outgrown.is_empty() && outcomes.iter().all(|outcome| outcome.verdict == Verdict::Pass) {
         let names = wrapped(&outgrown.join(", "), WIDTH - 2, "  ");
         let _ =
             write!(text, "\nBetter than the baseline by more than the margin; `gate --update` holds it:\n  {names}\n");
@@ -128,7 +129,7 @@ pub fn account(outcome: &Outcome) -> Vec<String> {
         lines.push(format!("{value:.decimals$}{unit}{reference}{difference}; must {}", bound_in_words(&outcome.gate)));
     }
     if outcome.families.len() > 1 {
-        let part = |(family, difference): &(String, f64)| format!("{family} {difference:+.decimals$}");
+        let part = |(family, difference): &(String, f64)| format!("{family} {}", signed(*difference, decimals));
         lines.push(format!("where: {}", outcome.families.iter().map(part).collect::<Vec<_>>().join(", ")));
     }
     lines.extend(outcome.cause.clone());
@@ -139,12 +140,14 @@ pub fn account(outcome: &Outcome) -> Vec<String> {
 pub fn difference(outcome: &Outcome) -> Option<String> {
     let decimals = decimals(&outcome.gate);
     let (difference, interval) = outcome.difference.zip(outcome.interval)?;
-    let signed = |value: f64| {
-        let text = format!("{value:+.decimals$}");
-        // Without a sign where nothing is left to have one.
-        if text.trim_start_matches(['+', '-', '0', '.']).is_empty() { text[1..].to_owned() } else { text }
-    };
+    let signed = |value: f64| signed(value, decimals);
     Some(format!("{} [{}, {}]", signed(difference), signed(interval.low), signed(interval.high)))
+}
+
+/// A difference with its sign, and without one where nothing is left to have it.
+fn signed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:+.decimals$}");
+    if text.trim_start_matches(['+', '-', '0', '.']).is_empty() { text[1..].to_owned() } else { text }
 }
 
 /// What must hold, in signs: of the value, or of the difference where it has a sign.
