@@ -1,7 +1,8 @@
 use super::*;
 use crate::drive;
 
-const SHIPPED: [&str; 5] = ["clutter", "closets", "corridors", "halls", "two-rooms"];
+/// The families that mappers are compared on. `closets`, too small for obstacles of twice the size, are for the gates alone.
+const SHIPPED: [&str; 4] = ["clutter", "corridors", "halls", "two-rooms"];
 
 fn shipped(name: &str) -> Family {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../scenes/{name}.toml"));
