@@ -9,6 +9,7 @@ use crate::compare::options::CompareOptions;
 use crate::gate::GateOptions;
 use crate::ray::RayOptions;
 use crate::sensor_model::SensorOptions;
+use crate::sweep::SweepOptions;
 use crate::tune::TuneOptions;
 
 /// Tells good maps from bad ones: simulates a robot with a stereo camera, maps what it sees by
@@ -36,6 +37,8 @@ pub enum Command {
     Compare(CompareOptions),
     /// Check maps against bounds and baselines, for the build to fail when they get worse
     Gate(GateOptions),
+    /// Many settings over many worlds, in shards that run anywhere, as one table
+    Sweep(SweepOptions),
     /// Fit the parameters of mappers on the tuning set, which no result is reported on
     Tune(TuneOptions),
     /// One viewing ray and one reading by every rule (Section 3.2, Figures 8-10)

@@ -8,7 +8,7 @@ pub mod chart;
 pub mod comparison;
 pub mod disparity;
 pub mod forest;
-mod ink;
+pub mod ink;
 pub mod kernel;
 pub mod maps;
 mod mark;

@@ -25,6 +25,7 @@ pub mod room;
 pub mod sensor_model;
 pub mod staging;
 pub mod summary;
+pub mod sweep;
 pub mod table;
 pub mod threads;
 pub mod trial;

@@ -3,13 +3,14 @@
 use std::process::ExitCode;
 
 use clap::Parser as _;
-use experiments::{check, cli, compare, estimate, gate, generate, list, ray, rebuild, room, sensor_model, tune};
+use experiments::{check, cli, compare, estimate, gate, generate, list, ray, rebuild, room, sensor_model, sweep, tune};
 
 fn main() -> ExitCode {
     let outcome = match cli::Cli::parse().command {
         cli::Command::Room(options) => room::run(&options),
         cli::Command::Compare(options) => compare::run(&options),
         cli::Command::Gate(options) => gate::run(&options),
+        cli::Command::Sweep(options) => sweep::run(&options),
         cli::Command::Tune(options) => tune::run(&options),
         cli::Command::Ray(options) => ray::run(&options),
         cli::Command::Sensor(options) => sensor_model::run(&options),

@@ -145,8 +145,63 @@ pub fn replace(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
 pub fn abandon_all() {
     for path in OPEN.lock().iter().flat_map(|open| open.iter()) {
         let _ = fs::remove_dir_all(path);
+        let _ = fs::remove_file(path);
         let _ = path.parent().map(fs::remove_dir); // the output folder, if it is empty
     }
+}
+
+/// A file in the making, under a name that no other process on any machine takes: `.NAME.HOST.PID.NUMBER`.
+/// It goes when nothing comes of it.
+#[derive(Debug)]
+pub struct Temporary {
+    path: PathBuf,
+}
+
+impl Temporary {
+    /// A name beside the file that it is to become.
+    pub fn beside(target: &Path) -> Self {
+        let name = target.file_name().unwrap_or_default().to_string_lossy();
+        let path = target.with_file_name(format!(".{name}.{}", unique()));
+        if let Ok(mut open) = OPEN.lock() {
+            open.push(path.clone());
+        }
+        Self { path }
+    }
+
+    /// Where to write.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Gives the file, which must be synced, its name for good, over whatever has it.
+    ///
+    /// # Errors
+    /// Whatever the system reports.
+    pub fn publish(self, target: &Path) -> io::Result<()> {
+        fs::rename(&self.path, target)?;
+        // The name itself is safe once the folder is; some systems cannot sync folders.
+        if let Some(folder) = target.parent().and_then(|folder| File::open(folder).ok()) {
+            let _ = folder.sync_all();
+        }
+        Ok(())
+    }
+}
+
+impl Drop for Temporary {
+    fn drop(&mut self) {
+        let _ = fs::remove_file(&self.path);
+        if let Ok(mut open) = OPEN.lock() {
+            open.retain(|path| path != &self.path);
+        }
+    }
+}
+
+/// Host, process and a number that is not used twice.
+pub fn unique() -> String {
+    use std::hash::{BuildHasher as _, RandomState};
+    let host = fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
+    let host: String = host.chars().filter(char::is_ascii_alphanumeric).take(32).collect();
+    format!("{host}.{}.{:016x}", std::process::id(), RandomState::new().hash_one(0))
 }
 
 /// An exclusive lock on the folder itself; none where the system has no such locks.

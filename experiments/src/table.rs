@@ -87,7 +87,8 @@ pub fn print(text: &str) -> Result<(), Failure> {
     }
 }
 
-fn field(value: &Value) -> String {
+/// A value as a field of a CSV file: nothing where there is none.
+pub fn field(value: &Value) -> String {
     match value {
         Value::Null => String::new(),
         Value::String(text) => text.clone(),

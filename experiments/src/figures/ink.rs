@@ -23,7 +23,7 @@ pub(super) const ROUTE: RGBColor = RGBColor(0, 114, 178);
 pub(super) const UNKNOWN: RGBColor = RGBColor(214, 222, 230);
 
 /// Line colours that colour-blind readers can tell apart (Okabe and Ito 2008).
-pub(super) const LINES: [RGBColor; 7] = [
+pub const LINES: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(86, 180, 233),
     RGBColor(213, 94, 0),

@@ -1,0 +1,180 @@
+//! A job: one drive through one world, mapped by all mappers with the same settings. It says all that decides its
+//! rows, so that it can run anywhere and in any order.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+use std::sync::Arc;
+
+use mapper::catalogue::{Entry, Setup, find};
+use mapper::{CorrelationLaw, Prior, Reconciliation, estimate};
+use scene::{Family, Scene, Variation};
+use sensor::{Mismatches, Stereo};
+use serde::{Deserialize, Serialize};
+
+use super::digest;
+use super::parameters::{Settings, number_of, parameter, word_of};
+use super::row::{Row, rows};
+use crate::failure::Failure;
+use crate::trial::{Ground, Keep};
+
+/// A job.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Job {
+    /// Scene or family file.
+    pub file: String,
+    /// Digest of what it says, see [`Site`](super::site::Site).
+    pub digest: String,
+    /// Whether it is a family, of which the seed is also the layout.
+    pub family: bool,
+    /// Seed.
+    pub seed: u64,
+    /// Parameters that are not as in the file or by default.
+    pub settings: Settings,
+    /// Names of the mappers.
+    pub mappers: Vec<String>,
+    /// Names of the regions.
+    pub regions: Vec<String>,
+}
+
+/// The part of a job that decides the readings.
+#[derive(Serialize)]
+struct World<'a> {
+    digest: &'a str,
+    seed: u64,
+    settings: Settings,
+}
+
+impl Job {
+    /// The job as JSON, with keys in a fixed order.
+    pub fn json(&self) -> String {
+        serde_json::to_string(self).unwrap_or_default() // plain values under plain keys
+    }
+
+    /// What names it: the first 16 digits of the digest of all that it says, whatever its order or shard. The name
+    /// of the file does not count; what the file says does.
+    pub fn id(&self) -> u64 {
+        digest::number(Self { file: String::new(), ..self.clone() }.json().as_bytes())
+    }
+
+    /// The seed of the readings, from the digest of what decides them: jobs that differ only in what mappers make of
+    /// their readings have the same ones, and can be compared in pairs.
+    pub fn readings_seed(&self) -> u64 {
+        let of_world = |key: &String| parameter(key).is_some_and(|parameter| parameter.of_world);
+        let settings = self.settings.iter().filter(|(key, _)| of_world(key));
+        let settings = settings.map(|(key, value)| (key.clone(), value.clone())).collect();
+        let world = World { digest: &self.digest, seed: self.seed, settings };
+        digest::number(serde_json::to_string(&world).unwrap_or_default().as_bytes())
+    }
+
+    /// Runs the job and gives its rows. What goes wrong in a world or a mapper, even a panic, is a row with the
+    /// error, and so is a file that says something else than when the job was planned.
+    pub fn run(&self) -> Vec<Row> {
+        let together = self.rows(&self.mappers);
+        match together {
+            Ok(rows) => rows,
+            // One mapper's failure is not that of the others: they have their rows if they are run alone.
+            Err(_) if self.mappers.len() > 1 => {
+                let alone = |name: &String| {
+                    self.rows(std::slice::from_ref(name)).unwrap_or_else(|e| vec![Row::failed(name, &e)])
+                };
+                self.mappers.iter().flat_map(alone).collect()
+            }
+            Err(error) => vec![Row::failed(self.mappers.first().map_or("", |name| name), &error)],
+        }
+    }
+
+    fn rows(&self, mappers: &[String]) -> Result<Vec<Row>, String> {
+        let run = || self.map(mappers).map_err(|failure| failure.to_string());
+        catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|panic| {
+            let said = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
+            Err(format!("panic: {}", said.unwrap_or("without a message")))
+        })
+    }
+
+    fn map(&self, names: &[String]) -> Result<Vec<Row>, Failure> {
+        let (mut ground, setup) = self.ground()?;
+        self.thin(&mut ground);
+        let unknown = |name: &str| Failure::BadInput(format!("there is no mapper {name:?}"));
+        let mappers: Vec<&Entry> =
+            names.iter().map(|name| find(name).ok_or_else(|| unknown(name))).collect::<Result<_, _>>()?;
+        let trial = ground.trial(self.readings_seed(), &mappers, &setup, &Keep::default(), &|_, _| {})?;
+        rows(self, &ground, &trial)
+    }
+
+    /// The world, and what the mappers believe of it: the camera that is simulated, unless a setting says otherwise.
+    fn ground(&self) -> Result<(Ground, Setup), Failure> {
+        let path = Path::new(&self.file);
+        let (number, word) = (|key| number_of(&self.settings, key), |key| word_of(&self.settings, key));
+        let cell_m = number("grid");
+        let mut scene = if self.family {
+            let variation =
+                number("size_factor").map_or_else(Variation::default, |size_factor| Variation { size_factor });
+            Family::load(path)?.scene(self.seed, cell_m, &variation)?
+        } else {
+            Scene::load(path, cell_m)?
+        };
+        if let Some(correct_match) = number("correct_match") {
+            scene.matcher.stereo.correct_match = correct_match;
+        }
+        if let Some(sigma) = number("disparity_sigma") {
+            scene.matcher.stereo.disparity_sigma = sigma;
+        }
+        match word("mismatches") {
+            Some("clustered") => scene.matcher.mismatches = Mismatches::Clustered(Default::default()),
+            Some(_) => scene.matcher.mismatches = Mismatches::Independent,
+            None => {}
+        }
+        let camera = scene.matcher.stereo;
+        let believed = Stereo {
+            correct_match: number("believed_correct_match").unwrap_or(camera.correct_match),
+            disparity_sigma: number("believed_sigma").unwrap_or(camera.disparity_sigma),
+            ..camera
+        };
+        let prior = self.prior();
+        let reconciliation = match word("reconciliation") {
+            Some("touched") => Reconciliation::Touched,
+            Some(_) => Reconciliation::AllEdges,
+            None => Reconciliation::default(),
+        };
+        let setup = Setup { grid: scene.grid, sensor: Arc::new(believed), prior, reconciliation };
+        Ok((Ground::new(scene, prior.occupancy)?, setup))
+    }
+
+    fn prior(&self) -> Prior {
+        let number = |key| number_of(&self.settings, key);
+        let default = Prior::default();
+        let occupancy = number("prior").unwrap_or(default.occupancy);
+        let by_length = number("assumed_length").map(|length_m| estimate::law(occupancy, length_m, CORRELATION_AT_M));
+        let correlation_law = match word_of(&self.settings, "correlation_law") {
+            Some("fixed") => CorrelationLaw::Fixed,
+            Some(_) => CorrelationLaw::Scaled,
+            None => default.correlation_law,
+        };
+        Prior {
+            occupancy,
+            correlation: number("correlation").or(by_length).unwrap_or(default.correlation),
+            correlation_law,
+        }
+    }
+
+    /// Leaves so many scans in the drive, evenly spread, as one stage.
+    fn thin(&self, ground: &mut Ground) {
+        let Some(scans) = number_of(&self.settings, "scans") else { return };
+        let all = ground.drive.poses.len();
+        let kept = (scans as usize).clamp(1, all.max(1));
+        let mut number = 0;
+        ground.drive.poses.retain(|_| {
+            // The k-th kept is in the middle of the k-th of equal parts of the drive.
+            let before = number * kept / all;
+            number += 1;
+            number * kept / all > before
+        });
+        if let Some((name, _)) = ground.drive.stage_ends.pop() {
+            ground.drive.stage_ends = vec![(name, kept)];
+        }
+    }
+}
+
+/// Correlations are given for cells this far apart, m.
+const CORRELATION_AT_M: f64 = 0.05;

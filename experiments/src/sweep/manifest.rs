@@ -1,0 +1,257 @@
+//! The manifest of a sweep: every job, in order, with its shard. It is written once and never changed.
+
+use std::fs::{self, File};
+use std::io::{self, BufRead as _, BufReader, BufWriter, Seek as _, SeekFrom, Write as _};
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::digest::{Running, build};
+use super::file::Sweep;
+use super::job::Job;
+use super::site::Site;
+use crate::failure::Failure;
+use crate::staging;
+
+/// Name of the file in the folder of a sweep.
+pub const MANIFEST: &str = "manifest.jsonl";
+
+/// A shard has about so many jobs where nobody says how many shards there are to be ...
+const JOBS_PER_SHARD: u64 = 500;
+
+/// ... and there are at least so many shards, so that many workers have something to do.
+const FEWEST_SHARDS: u64 = 64;
+
+/// The first line of the file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Head {
+    /// Version of the form of the file: 1.
+    pub schema_version: u32,
+    /// Number of jobs.
+    pub jobs: u64,
+    /// Number of shards.
+    pub shards: u32,
+    /// Parameters that are columns of the table, in order.
+    pub keys: Vec<String>,
+    /// The program that planned it; the same must run it.
+    pub build: String,
+    /// The files that the worlds come from.
+    pub sites: Vec<HeadSite>,
+}
+
+/// A file in the head, see [`Site`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HeadSite {
+    file: String,
+    digest: String,
+    family: bool,
+}
+
+/// Every other line: a job.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Line {
+    id: String,
+    shard: u32,
+    job: Job,
+}
+
+/// A manifest on the disk.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Manifest {
+    /// The folder of the sweep.
+    pub folder: PathBuf,
+    /// Its first line.
+    pub head: Head,
+    /// SHA-256 of the file, in hexadecimal: results of another manifest do not count.
+    pub digest: String,
+    /// Where the jobs of each shard begin, bytes.
+    starts: Vec<u64>,
+}
+
+/// Where a job of the product is, for sorting: 16 bytes for each of millions.
+struct Place {
+    id: u64,
+    number: u64,
+}
+
+/// The manifest of a sweep in a folder; what is there already is kept if it is the same.
+///
+/// # Errors
+/// A file of the sweep that cannot be read; another manifest in the folder, unless `replace`; I/O.
+pub fn plan(sweep: &Sweep, folder: &Path, shards: Option<u32>, replace: bool) -> Result<Manifest, Failure> {
+    let families = sweep.of_families;
+    let sites: Vec<Site> = sweep.sites.iter().map(|path| Site::load(path, families)).collect::<Result<_, _>>()?;
+    let settings_count = sweep.settings_count().unwrap_or(0);
+    let jobs = sweep.jobs().unwrap_or(0);
+    let job = |number: u64| {
+        let (settings, rest) = (number % settings_count, number / settings_count);
+        let site = &sites[(rest / sweep.seeds) as usize];
+        Job {
+            file: site.file.clone(),
+            digest: site.digest.clone(),
+            family: site.family,
+            seed: sweep.first_seed + rest % sweep.seeds,
+            settings: sweep.settings(settings),
+            mappers: sweep.mappers.clone(),
+            regions: sweep.regions.clone(),
+        }
+    };
+    let mut places: Vec<Place> = (0..jobs).map(|number| Place { id: job(number).id(), number }).collect();
+    places.sort_unstable_by_key(|place| place.id);
+    if let Some(pair) = places.windows(2).find(|pair| pair[0].id == pair[1].id) {
+        let same = job(pair[0].number).json() == job(pair[1].number).json();
+        let why =
+            if same { "two jobs are the same" } else { "two jobs have one id by chance; change any value a little" };
+        return Err(Failure::BadInput(format!("the sweep: {why}: {}", job(pair[0].number).json())));
+    }
+    let usual = jobs.div_ceil(JOBS_PER_SHARD).max(FEWEST_SHARDS);
+    let shards = shards.map_or(usual, u64::from).clamp(1, jobs.max(1)) as u32;
+    let head = Head {
+        schema_version: 1,
+        jobs,
+        shards,
+        keys: sweep.keys().into_iter().map(str::to_owned).collect(),
+        build: build(),
+        sites: sites.iter().map(HeadSite::of).collect(),
+    };
+
+    fs::create_dir_all(folder).map_err(|e| Failure::write(folder, &e))?;
+    let path = folder.join(MANIFEST);
+    let partial = staging::Temporary::beside(&path);
+    let write = || -> io::Result<String> {
+        let mut digest = Running::default();
+        let mut out = BufWriter::new(File::create(partial.path())?);
+        let mut put = |line: String| {
+            digest.add(line.as_bytes());
+            out.write_all(line.as_bytes())
+        };
+        put(serde_json::to_string(&head)? + "\n")?;
+        for (at, place) in places.iter().enumerate() {
+            let shard = shard_of(at as u64, jobs, shards);
+            let line = Line { id: format!("{:016x}", place.id), shard, job: job(place.number) };
+            put(serde_json::to_string(&line)? + "\n")?;
+        }
+        out.flush()?;
+        out.get_ref().sync_all()?;
+        Ok(digest.hex())
+    };
+    let digest = write().map_err(|e| Failure::write(&path, &e))?;
+    if !replace && path.exists() && !Manifest::open(folder).is_ok_and(|former| former.digest == digest) {
+        return Err(Failure::BadInput(format!(
+            "{}: is the manifest of another sweep, or was planned by another build; choose another folder, or give --replace",
+            path.display()
+        )));
+    }
+    partial.publish(&path).map_err(|e| Failure::write(&path, &e))?;
+    Manifest::open(folder)
+}
+
+/// The shard of the job at a place in the order: runs of it that differ by one job at most.
+fn shard_of(at: u64, jobs: u64, shards: u32) -> u32 {
+    (u128::from(at) * u128::from(shards) / u128::from(jobs)) as u32
+}
+
+impl HeadSite {
+    fn of(site: &Site) -> Self {
+        Self { file: site.file.clone(), digest: site.digest.clone(), family: site.family }
+    }
+}
+
+impl Manifest {
+    /// Reads the first line of a folder's manifest, and its digest.
+    ///
+    /// # Errors
+    /// No manifest, or something else in its place; I/O.
+    pub fn open(folder: &Path) -> Result<Self, Failure> {
+        let path = folder.join(MANIFEST);
+        let refuse = |what: &dyn std::fmt::Display| {
+            Failure::BadInput(format!("{}: {what}; plan a sweep into the folder with `sweep plan`", path.display()))
+        };
+        let file = File::open(&path).map_err(|e| refuse(&format!("cannot be read: {e}")))?;
+        let mut reader = BufReader::new(file);
+        let mut digest = Running::default();
+        let mut line = Vec::new();
+        reader.read_until(b'\n', &mut line).map_err(|e| refuse(&e))?;
+        digest.add(&line);
+        let head: Head = serde_json::from_slice(&line).map_err(|e| refuse(&format!("line 1 is no manifest's: {e}")))?;
+        if head.schema_version != 1 {
+            return Err(refuse(&format!("schema_version = {}: must be 1", head.schema_version)));
+        }
+        let mut starts = Vec::new();
+        let (mut offset, mut jobs) = (line.len() as u64, 0);
+        loop {
+            line.clear();
+            if reader.read_until(b'\n', &mut line).map_err(|e| refuse(&e))? == 0 {
+                break;
+            }
+            if starts.len() as u64 <= u64::from(shard_of(jobs, head.jobs, head.shards)) {
+                starts.push(offset);
+            }
+            digest.add(&line);
+            offset += line.len() as u64;
+            jobs += 1;
+        }
+        if jobs != head.jobs {
+            return Err(refuse(&format!("line 1 says {} jobs, and {jobs} follow", head.jobs)));
+        }
+        Ok(Self { folder: folder.to_owned(), head, digest: digest.hex(), starts })
+    }
+
+    /// Refuses to run what another build has planned, and worlds whose files have changed since.
+    ///
+    /// # Errors
+    /// Such a manifest.
+    pub fn confirm(&self) -> Result<(), Failure> {
+        if self.head.build != build() {
+            let path = self.folder.join(MANIFEST);
+            return Err(Failure::BadInput(format!(
+                "{}: was planned by build {}, and this is {}; run that program, or plan again with --replace",
+                path.display(),
+                self.head.build,
+                build()
+            )));
+        }
+        let site = |site: &HeadSite| Site { file: site.file.clone(), digest: site.digest.clone(), family: site.family };
+        self.head.sites.iter().try_for_each(|each| site(each).confirm())
+    }
+
+    /// Number of jobs of a shard.
+    pub fn jobs_of(&self, shard: u32) -> u64 {
+        let (jobs, shards) = (u128::from(self.head.jobs), u128::from(self.head.shards));
+        let first = |shard: u128| (shard * jobs).div_ceil(shards.max(1)) as u64;
+        first(u128::from(shard) + 1) - first(u128::from(shard))
+    }
+
+    /// The jobs of a shard in their order, each with its id, one at a time in memory, until `take` has enough.
+    ///
+    /// # Errors
+    /// What `take` reports; a line that is no job; I/O.
+    pub fn each_job(
+        &self,
+        shard: u32,
+        mut take: impl FnMut(u64, Job) -> Result<ControlFlow<()>, Failure>,
+    ) -> Result<(), Failure> {
+        let path = self.folder.join(MANIFEST);
+        let wrong = |what: &dyn std::fmt::Display| {
+            Failure::BadInput(format!("{}: shard {shard}: {what}; plan the sweep again", path.display()))
+        };
+        let mut file = File::open(&path).map_err(|e| wrong(&e))?;
+        let start = self.starts.get(shard as usize).copied().unwrap_or(u64::MAX);
+        file.seek(SeekFrom::Start(start)).map_err(|e| wrong(&e))?;
+        for line in BufReader::new(file).lines().take(self.jobs_of(shard) as usize) {
+            let line: Line = serde_json::from_str(&line.map_err(|e| wrong(&e))?).map_err(|e| wrong(&e))?;
+            let id = u64::from_str_radix(&line.id, 16).map_err(|e| wrong(&e))?;
+            if line.shard != shard || line.job.id() != id {
+                return Err(wrong(&format!("job {}: is not the one of its id and shard", line.id)));
+            }
+            if take(id, line.job)?.is_break() {
+                break;
+            }
+        }
+        Ok(())
+    }
+}

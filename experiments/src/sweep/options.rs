@@ -1,0 +1,129 @@
+//! Options of `sweep` and its parts.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+
+use crate::cli::{Format, MOST_THREADS, count};
+
+/// More shards than this are a mistake.
+const MOST_SHARDS: u32 = 1_000_000;
+
+const FORM: &str = "A sweep file is TOML:\n
+  families = [\"clutter\"]                 # or scene = \"scenes/room.toml\", or scenes = [..]
+  mappers = [\"visibility\", \"conventional\"]
+  seeds = { first = 1, count = 4 }       # of a family also the layouts
+  regions = [\"observable\"]               # default: observable, visible, surface
+  [set]                                  # the same in every job
+  correlation_law = \"fixed\"
+  [vary]                                 # every combination
+  grid = [0.05, 0.1, 0.2]                # m
+  correlation = { from = 0.0, to = 0.9, steps = 4 }   # also log = true
+  [paired]                               # lists that go together
+  disparity_sigma = [0.25, 1.0]
+  believed_sigma = [0.5, 0.5]\n
+Parameters: size_factor (of families), correct_match, disparity_sigma, mismatches
+(\"independent\", \"clustered\"), scans, grid, prior, correlation, assumed_length (m),
+correlation_law (\"scaled\", \"fixed\"), reconciliation (\"all-edges\", \"touched\"),
+believed_correct_match, believed_sigma. Mappers know the simulated camera unless a
+believed_ key says otherwise. The region range-by-looks is one per bin of range and
+number of looks.";
+
+/// Options of `sweep`.
+#[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true, after_help = FORM)]
+pub struct SweepOptions {
+    /// A part of it
+    #[command(subcommand)]
+    pub part: Option<Part>,
+    /// Sweep file: plan, run, merge and plot it here; goes on where it was
+    #[arg(value_name = "SWEEP.toml", required = true)]
+    pub file: Option<PathBuf>,
+    /// Folder for manifest, shards, table and pictures [default: results/sweep- and the file's name]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Number of shards [default: one for 500 jobs, at least 64]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = count(MOST_SHARDS))]
+    pub shards: Option<u32>,
+    /// Threads to use, all processors if not given; results do not depend on it
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = count(MOST_THREADS))]
+    pub threads: Option<u32>,
+}
+
+/// What can be done apart.
+#[derive(Debug, Subcommand)]
+pub enum Part {
+    /// Write the manifest: every job, with its shard
+    Plan(PlanOptions),
+    /// Run the shards that are not done, or some of them
+    Run(RunOptions),
+    /// Say how far a sweep is
+    Status(StatusOptions),
+    /// Print the shards that are not done, as Slurm writes ranges
+    Missing(FolderOptions),
+    /// Make one table of all shards
+    Merge(MergeOptions),
+    /// Draw the table
+    Plot(FolderOptions),
+}
+
+/// Options of `sweep plan`.
+#[derive(Debug, Args)]
+pub struct PlanOptions {
+    /// Sweep file
+    #[arg(value_name = "SWEEP.toml")]
+    pub file: PathBuf,
+    /// Folder for the manifest [default: results/sweep- and the file's name]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Number of shards [default: one for 500 jobs, at least 64]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = count(MOST_SHARDS))]
+    pub shards: Option<u32>,
+    /// Take the place of another manifest, whose results then do not count any more
+    #[arg(long)]
+    pub replace: bool,
+}
+
+/// Options of `sweep run`.
+#[derive(Debug, Args)]
+pub struct RunOptions {
+    /// Folder of the sweep
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Run this shard only; may be given several times [default: all that are not done]
+    #[arg(long, value_name = "I")]
+    pub shard: Vec<u32>,
+    /// Threads to use, all processors if not given; results do not depend on it
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = count(MOST_THREADS))]
+    pub threads: Option<u32>,
+}
+
+/// Options of `sweep status`.
+#[derive(Debug, Args)]
+pub struct StatusOptions {
+    /// Folder of the sweep
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Form of the table on stdout
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
+
+/// Options of parts that need no more than the folder.
+#[derive(Debug, Args)]
+pub struct FolderOptions {
+    /// Folder of the sweep
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+}
+
+/// Options of `sweep merge`.
+#[derive(Debug, Args)]
+pub struct MergeOptions {
+    /// Folder of the sweep
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// File to write [default: table.csv in the folder]
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+}

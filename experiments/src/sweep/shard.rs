@@ -1,0 +1,178 @@
+//! Results of a shard: rows, and a last line that says that they are whole and whose they are.
+//!
+//! A result is written under another name, synced and renamed, so that it is there whole or not at all. Whoever runs a
+//! shard, however often and wherever at the same time, writes the same bytes: the last one to rename changes nothing.
+
+use std::fs::{self, File};
+use std::io::{self, BufRead as _, BufReader, Write};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::digest::{Running, hex, sha256};
+use super::manifest::Manifest;
+use crate::failure::Failure;
+use crate::staging::Temporary;
+
+/// The last line, after `# `.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Trailer {
+    manifest: String,
+    shard: u32,
+    jobs: u64,
+    rows: u64,
+    sha256: String,
+}
+
+/// What there is of a shard.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum State {
+    /// Whole, with so many rows, of which so many are failures.
+    Done {
+        /// Number of rows.
+        rows: u64,
+    },
+    /// Nothing.
+    Missing,
+    /// A file that is cut short, changed, or of another manifest.
+    Invalid,
+}
+
+/// The file of a shard's result.
+pub fn path(folder: &Path, shard: u32) -> PathBuf {
+    folder.join("shards").join(format!("{shard:06}.csv"))
+}
+
+/// Writes the result of a shard; `rows` are lines of CSV.
+///
+/// # Errors
+/// Whatever the system reports, a full disk for example; nothing is left then.
+pub fn write(manifest: &Manifest, shard: u32, rows: &[u8]) -> Result<(), Failure> {
+    let target = path(&manifest.folder, shard);
+    let trailer = Trailer {
+        manifest: manifest.digest.clone(),
+        shard,
+        jobs: manifest.jobs_of(shard),
+        rows: rows.iter().filter(|byte| **byte == b'\n').count() as u64,
+        sha256: hex(&sha256(rows)),
+    };
+    let written = || -> io::Result<()> {
+        if let Some(folder) = target.parent() {
+            fs::create_dir_all(folder)?;
+        }
+        let partial = Temporary::beside(&target);
+        let mut file = File::create(partial.path())?;
+        file.write_all(rows)?;
+        writeln!(file, "# {}", serde_json::to_string(&trailer)?)?;
+        file.sync_all()?;
+        partial.publish(&target)
+    };
+    written().map_err(|e| Failure::write(&target, &e))
+}
+
+/// Copies the rows of a shard to `out` and says what the file is. Where it is not whole, what was copied is worth nothing.
+///
+/// # Errors
+/// An `out` that cannot be written.
+pub fn copy(manifest: &Manifest, shard: u32, out: &mut impl Write) -> io::Result<State> {
+    let Ok(file) = File::open(path(&manifest.folder, shard)) else { return Ok(State::Missing) };
+    let mut reader = BufReader::new(file);
+    let (mut digest, mut rows) = (Running::default(), 0);
+    let mut line = Vec::new();
+    loop {
+        line.clear();
+        match reader.read_until(b'\n', &mut line) {
+            Err(_) | Ok(0) => return Ok(State::Invalid), // without a last line
+            Ok(_) => {}
+        }
+        if let Some(text) = line.strip_prefix(b"# ") {
+            let trailer: Option<Trailer> = serde_json::from_slice(text).ok();
+            let expected = Trailer {
+                manifest: manifest.digest.clone(),
+                shard,
+                jobs: manifest.jobs_of(shard),
+                rows,
+                sha256: digest.hex(),
+            };
+            let last = reader.read_until(b'\n', &mut Vec::new()).is_ok_and(|read| read == 0);
+            let whole = last && line.ends_with(b"\n") && trailer == Some(expected);
+            return Ok(if whole { State::Done { rows } } else { State::Invalid });
+        }
+        digest.add(&line);
+        rows += 1;
+        out.write_all(&line)?;
+    }
+}
+
+/// What there is of a shard.
+pub fn state(manifest: &Manifest, shard: u32) -> State {
+    copy(manifest, shard, &mut io::sink()).unwrap_or(State::Invalid)
+}
+
+/// The shards that are not done, in order.
+pub fn missing(manifest: &Manifest) -> Vec<u32> {
+    let done = |shard: &u32| matches!(state(manifest, *shard), State::Done { .. });
+    (0..manifest.head.shards).filter(|shard| !done(shard)).collect()
+}
+
+/// Numbers in rising order as Slurm writes them: `0-3,7`.
+pub fn ranges(numbers: &[u32]) -> String {
+    let mut text = Vec::new();
+    for run in numbers.chunk_by(|a, b| a + 1 == *b) {
+        text.push(match run {
+            [one] => one.to_string(),
+            [first, .., last] => format!("{first}-{last}"),
+            [] => continue,
+        });
+    }
+    text.join(",")
+}
+
+/// A try that failed.
+#[derive(Debug, Serialize)]
+struct Try<'a> {
+    shard: u32,
+    cause: &'a str,
+    build: &'a str,
+}
+
+/// Folder of the tries that failed.
+pub fn failures(folder: &Path) -> PathBuf {
+    folder.join("failures")
+}
+
+/// Leaves a note of a try that failed, as far as the system lets it.
+pub fn note_failure(manifest: &Manifest, shard: u32, cause: &str) {
+    let note = Try { shard, cause, build: &manifest.head.build };
+    let path = failures(&manifest.folder).join(format!("{shard:06}-{}.json", crate::staging::unique()));
+    let _ = fs::create_dir_all(failures(&manifest.folder));
+    let _ = fs::write(path, serde_json::to_vec(&note).unwrap_or_default());
+}
+
+/// Removes what processes of this machine left behind that were killed while they wrote.
+pub fn remove_leftovers(folder: &Path) {
+    for entry in fs::read_dir(folder.join("shards")).into_iter().flatten().flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let parts: Vec<&str> = name.rsplit('.').collect(); // number, process, host, ...
+        let Some([_, process, host]) = parts.first_chunk() else { continue };
+        let own = crate::staging::unique();
+        let here = own.split('.').next() == Some(*host);
+        let ended = process.parse::<u32>().is_ok() && !Path::new("/proc").join(process).exists();
+        if name.starts_with('.') && here && ended && Path::new("/proc/self").exists() {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_as_slurm_writes_them() {
+        assert_eq!(ranges(&[]), "");
+        assert_eq!(ranges(&[3]), "3");
+        assert_eq!(ranges(&[0, 1, 2, 3, 7, 9, 10]), "0-3,7,9-10");
+    }
+}
