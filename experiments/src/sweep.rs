@@ -14,6 +14,7 @@ pub mod regions;
 pub mod row;
 pub mod shard;
 pub mod site;
+mod slurm;
 
 pub use options::SweepOptions;
 
@@ -29,6 +30,8 @@ use self::options::{MergeOptions, Part, PlanOptions, RunOptions, StatusOptions};
 use self::shard::State;
 use crate::cli::Format;
 use crate::failure::Failure;
+use crate::record::versions;
+use crate::staging::{self, RECORD};
 use crate::table::{self, Table};
 use crate::{interruption, threads};
 
@@ -50,6 +53,7 @@ pub fn run(options: &SweepOptions) -> Result<(), Failure> {
         }
         (Some(Part::Merge(options)), _) => merge(options),
         (Some(Part::Plot(options)), _) => plots::draw(&options.folder).map(|_| ()),
+        (Some(Part::Slurm(options)), _) => slurm::run(options),
         (None, Some(file)) => all(file, options),
         (None, None) => Err(Failure::BadInput("sweep: name a sweep file; see sweep --help".to_owned())),
     }
@@ -76,13 +80,13 @@ fn run_shards(options: &RunOptions) -> Result<(), Failure> {
         let last = manifest.head.shards.saturating_sub(1);
         return Err(Failure::BadInput(format!("--shard {shard}: must be 0 to {last}, as the manifest has them")));
     }
-    let named = !options.shard.is_empty();
-    let outcome = work(&manifest, named.then_some(&options.shard), options.threads);
-    if let (true, Err(failure)) = (named, &outcome) {
-        // Whoever runs single shards looks here for what went wrong.
-        options.shard.iter().for_each(|shard| shard::note_failure(&manifest, *shard, &failure.to_string()));
+    let named = Some(&options.shard).filter(|shards| !shards.is_empty());
+    if let (Some(shards), Err(failure)) = (named, manifest.confirm()) {
+        // Whoever runs single shards on other machines looks here for what went wrong.
+        shards.iter().for_each(|shard| shard::note_failure(&manifest, *shard, &failure.to_string()));
+        return Err(failure);
     }
-    outcome
+    work(&manifest, named, options.threads)
 }
 
 /// Runs the shards named, or all that are not done.
@@ -102,9 +106,13 @@ fn work(manifest: &Manifest, named: Option<&Vec<u32>>, threads: Option<u32>) -> 
         say(&announcement);
     }
     let ran = engine::run(manifest, &shards, threads)?;
-    let failed = if ran.failed > 0 { format!(", {} rows with an error", ran.failed) } else { String::new() };
+    let failed = if ran.failed > 0 { format!(", {} with an error", counted(ran.failed, "row")) } else { String::new() };
     let (place, time) = (manifest.folder.display(), start.elapsed().as_secs_f64());
-    say(&format!("{place}: {} jobs in {} shards in {time:.0} s{failed}", ran.jobs, shards.len()));
+    say(&format!(
+        "{place}: {} in {} in {time:.0} s{failed}",
+        counted(ran.jobs, "job"),
+        counted(shards.len() as u64, "shard")
+    ));
     Ok(())
 }
 
@@ -165,10 +173,29 @@ fn all(file: &Path, options: &SweepOptions) -> Result<(), Failure> {
     let table = folder.join(TABLE);
     let rows = merge::merge(&manifest, &table)?;
     say(&format!("{}: {rows} rows", table.display()));
-    for picture in plots::draw(&folder)? {
-        say(&folder.join(picture).display().to_string());
-    }
-    Ok(())
+    let pictures = plots::draw(&folder)?;
+    pictures.iter().for_each(|picture| say(&folder.join(picture).display().to_string()));
+    record(&sweep, &manifest, pictures)
+}
+
+/// Leaves `run.json`, with nothing in it that changes from build to build.
+fn record(sweep: &file::Sweep, manifest: &Manifest, mut files: Vec<String>) -> Result<(), Failure> {
+    files.extend([TABLE, RECORD].map(str::to_owned));
+    files.sort();
+    let record = json!({
+        "schema_version": 1,
+        "command": "sweep",
+        "configuration": sweep,
+        "jobs": manifest.head.jobs,
+        "versions": versions(),
+        "files": files,
+    });
+    let text = serde_json::to_string_pretty(&record).map_err(Failure::internal)?;
+    staging::replace(&manifest.folder.join(RECORD), format!("{text}\n").as_bytes())
+}
+
+fn counted(count: u64, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
 fn say(text: &str) {

@@ -6,12 +6,13 @@ use mapper::catalogue::MAPPERS;
 use scene::reader::{Limit, Table, Value as Node, number, open, read};
 use scene::{SceneError, Set};
 use score::Region;
+use serde::Serialize;
 
 use super::parameters::{Kind, PARAMETERS, Parameter, Settings, Value};
 use super::regions;
 
 /// A sweep: what is varied over which worlds, and by which mappers they are mapped.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Sweep {
     /// Scene and family files, in the order of the file.
     pub sites: Vec<PathBuf>,
@@ -32,7 +33,7 @@ pub struct Sweep {
 }
 
 /// Parameters that change together.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Axis {
     /// One or more keys ...
     pub keys: Vec<&'static str>,

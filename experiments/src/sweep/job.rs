@@ -85,11 +85,7 @@ impl Job {
     }
 
     fn rows(&self, mappers: &[String]) -> Result<Vec<Row>, String> {
-        let run = || self.map(mappers).map_err(|failure| failure.to_string());
-        catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|panic| {
-            let said = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
-            Err(format!("panic: {}", said.unwrap_or("without a message")))
-        })
+        caught(|| self.map(mappers))
     }
 
     fn map(&self, names: &[String]) -> Result<Vec<Row>, Failure> {
@@ -176,5 +172,79 @@ impl Job {
     }
 }
 
+/// What fails, or panics, in words.
+fn caught(run: impl FnOnce() -> Result<Vec<Row>, Failure>) -> Result<Vec<Row>, String> {
+    let run = || run().map_err(|failure| failure.to_string());
+    catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|panic| {
+        let said = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
+        Err(format!("panic: {}", said.unwrap_or("without a message")))
+    })
+}
+
 /// Correlations are given for cells this far apart, m.
 const CORRELATION_AT_M: f64 = 0.05;
+
+#[cfg(test)]
+mod tests {
+    use super::super::parameters::Value;
+    use super::*;
+
+    fn job() -> Job {
+        let settings = [("grid", 0.1), ("disparity_sigma", 1.0)];
+        Job {
+            file: "scenes/room.toml".to_owned(),
+            digest: "d".to_owned(),
+            family: false,
+            seed: 3,
+            settings: settings.map(|(key, number)| (key.to_owned(), Value::Number(number))).into(),
+            mappers: vec!["visibility".to_owned()],
+            regions: vec!["observable".to_owned()],
+        }
+    }
+
+    fn with(key: &str, value: f64) -> Job {
+        let mut job = job();
+        job.settings.insert(key.to_owned(), Value::Number(value));
+        job
+    }
+
+    #[test]
+    fn readings_are_shared_where_only_belief_differs() {
+        let same = [with("grid", 0.2), with("believed_sigma", 2.0), with("correlation", 0.0), with("scans", 5.0)];
+        for other in &same {
+            assert_eq!(other.readings_seed(), job().readings_seed());
+            assert_ne!(other.id(), job().id());
+        }
+        let others = [with("disparity_sigma", 2.0), Job { seed: 4, ..job() }, Job { digest: "e".to_owned(), ..job() }];
+        for other in &others {
+            assert_ne!(other.readings_seed(), job().readings_seed());
+            assert_ne!(other.id(), job().id());
+        }
+    }
+
+    #[test]
+    fn an_id_is_of_what_is_done_not_of_names() {
+        let elsewhere = Job { file: "/other/place.toml".to_owned(), ..job() };
+        assert_eq!(elsewhere.id(), job().id());
+        assert_eq!(serde_json::from_str::<Job>(&job().json()).expect("a job"), job());
+        assert_eq!(job().id(), 0x0185_5a91_98d6_cc79, "an id that changes makes every result in the world worthless");
+    }
+
+    #[test]
+    fn a_failure_is_a_row_and_not_that_of_other_mappers() {
+        let scene = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/room.toml");
+        let mappers = ["prior", "no such mapper"].map(str::to_owned).to_vec();
+        let mut job = Job { file: scene.display().to_string(), mappers, ..job() };
+        job.settings.insert("grid".to_owned(), Value::Number(0.5));
+        let rows = job.run();
+        assert_eq!(rows.len(), 2);
+        assert!(rows[0].mapper == "prior" && rows[0].error.is_empty() && rows[0].values[0].is_some());
+        assert!(rows[1].mapper == "no such mapper" && rows[1].error.contains("there is no mapper"));
+    }
+
+    #[test]
+    fn a_panic_is_caught_with_what_it_said() {
+        let said = caught(|| -> Result<Vec<Row>, Failure> { panic!("cell {} is lost", 7) });
+        assert_eq!(said, Err("panic: cell 7 is lost".to_owned()));
+    }
+}

@@ -65,6 +65,8 @@ pub enum Part {
     Merge(MergeOptions),
     /// Draw the table
     Plot(FolderOptions),
+    /// Run the shards that are not done on a Slurm cluster, then merge and draw
+    Slurm(SlurmOptions),
 }
 
 /// Options of `sweep plan`.
@@ -126,4 +128,58 @@ pub struct MergeOptions {
     /// File to write [default: table.csv in the folder]
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+}
+
+/// Options of `sweep slurm`.
+#[derive(Debug, Args)]
+pub struct SlurmOptions {
+    /// Folder of the sweep, which all nodes see under the same name
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Print the scripts and submit nothing
+    #[arg(long)]
+    pub dry_run: bool,
+    /// Submit what failed again, until so many rounds are over
+    #[arg(long, value_name = "N", default_value_t = 3, allow_negative_numbers = true, value_parser = count(100))]
+    pub rounds: u32,
+    /// Threads of each task
+    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = count(MOST_THREADS))]
+    pub threads: u32,
+    /// At most so many tasks at a time
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = count(1_000_000))]
+    pub throttle: Option<u32>,
+    /// Indices of an array stay below this [default: the site's MaxArraySize]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = count(4_000_000))]
+    pub max_array: Option<u32>,
+    /// An option for sbatch, such as --sbatch=--partition=short; may be given several times
+    #[arg(long, value_name = "OPTION", allow_hyphen_values = true)]
+    pub sbatch: Vec<String>,
+    /// Seconds between looks at the queue
+    #[arg(long, value_name = "S", default_value_t = 10.0, allow_negative_numbers = true, value_parser = seconds)]
+    pub poll: f64,
+    /// Seconds to wait for a controller that does not answer
+    #[arg(long = "patience", value_name = "S", default_value_t = 600)]
+    pub patience_s: u64,
+}
+
+#[cfg(test)]
+impl Default for SlurmOptions {
+    fn default() -> Self {
+        Self {
+            folder: PathBuf::new(),
+            dry_run: false,
+            rounds: 3,
+            threads: 1,
+            throttle: None,
+            max_array: None,
+            sbatch: Vec::new(),
+            poll: 10.0,
+            patience_s: 600,
+        }
+    }
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let fits = |seconds: &f64| (0.1..=3600.0).contains(seconds);
+    text.parse().ok().filter(fits).ok_or_else(|| "must be a number of seconds from 0.1 to 3600".to_owned())
 }

@@ -1,5 +1,7 @@
-//! Pictures of a sweep's table: metrics against the parameter that was varied first.
+//! Pictures of a sweep's table: metrics against one parameter, with a line for each value of the other numbers and a
+//! row for each of the words.
 
+use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
@@ -10,26 +12,43 @@ use super::parameters::PARAMETERS;
 use crate::failure::Failure;
 use crate::figures::chart::{self, Axis, Chart, Mark, Series};
 use crate::figures::ink::LINES;
-use crate::staging::Temporary;
+use crate::staging;
 
-/// Columns that are drawn, with their titles and regions.
-const PANELS: [(&str, &str, &str); 3] = [
-    ("log_loss", "observable", "log loss, all that could be seen (nats/cell)"),
-    ("brier", "observable", "Brier score, all that could be seen"),
-    ("log_loss", "visible", "free space: geometric mean of P(free)"),
+/// Columns that are drawn, with their regions and titles.
+const PANELS: [Panel; 3] = [
+    Panel { metric: "log_loss", region: "observable", title: "log loss, nats per cell" },
+    Panel { metric: "brier", region: "observable", title: "Brier score" },
+    Panel { metric: "log_loss", region: FREE, title: "probability that free cells are free" },
 ];
 
-/// Marks of the values of the second parameter.
-const MARKS: [Mark; 4] = [Mark::Ring, Mark::Triangle, Mark::Cross, Mark::Plus];
+/// The region of free cells that rays crossed. Of its log loss, `exp(-x)` is drawn: the geometric mean of `P(free)`.
+const FREE: &str = "visible";
 
-/// A table in memory: what was varied, and means by mapper and values.
+/// What stands upwards.
+#[derive(Clone, Copy)]
+enum Ordinate {
+    Error,
+    Probability,
+}
+
+struct Panel {
+    metric: &'static str,
+    region: &'static str,
+    title: &'static str,
+}
+
+/// A table in memory.
 struct Means {
-    /// The parameter along the axis, and the one that makes lines.
-    axes: [Option<String>; 2],
-    /// Sums over worlds, and their numbers.
-    values: BTreeMap<Key, (f64, u64)>,
+    /// The parameter along the axis.
+    axis: String,
+    /// Names of the numbers that make lines.
+    line: String,
+    /// Sums over worlds, and their numbers; of bins of range and looks, over cells.
+    values: BTreeMap<Key, (f64, f64)>,
     /// All mappers.
     mappers: BTreeSet<String>,
+    /// All combinations of words.
+    rows: BTreeSet<String>,
 }
 
 /// What is drawn as one point.
@@ -38,82 +57,140 @@ struct Key {
     metric: &'static str,
     region: String,
     mapper: String,
-    /// Values of what makes lines.
+    /// Values of the words that make rows of the sheet ...
+    row: String,
+    /// ... and of the numbers that make lines.
     line: String,
     /// The value along the axis.
     x: String,
 }
 
-/// Draws a picture for each mapper and gives their names.
+/// Draws a sheet for each mapper and gives the names of the files.
 ///
 /// # Errors
 /// No table; a drawing that fails; I/O.
 pub fn draw(folder: &Path) -> Result<Vec<String>, Failure> {
-    let means = read(&folder.join(TABLE))?;
-    let Some(first) = &means.axes[0] else { return Ok(Vec::new()) };
+    let Some(means) = read(&folder.join(TABLE))? else { return Ok(Vec::new()) };
     let mut names = Vec::new();
     for mapper in &means.mappers {
-        let charts: Vec<Chart> = PANELS.iter().filter_map(|panel| means.chart(first, mapper, panel)).collect();
-        if charts.is_empty() {
-            continue;
+        for (charts, columns, name) in [
+            (means.charts(mapper), PANELS.len(), format!("{mapper}.png")),
+            (means.range_by_looks(mapper), 1, format!("{mapper}-range-by-looks.png")),
+        ] {
+            if !charts.is_empty() {
+                let picture = chart::sheet(&charts, columns.min(charts.len()), (640, 520))?;
+                staging::replace(&folder.join(&name), &picture)?;
+                names.push(name);
+            }
         }
-        let picture = chart::draw(&charts, (640, 520))?;
-        let name = format!("{mapper}.png");
-        let target = folder.join(&name);
-        let partial = Temporary::beside(&target);
-        let written = std::fs::write(partial.path(), picture).and_then(|()| partial.publish(&target));
-        written.map_err(|e| Failure::write(&target, &e))?;
-        names.push(name);
     }
     Ok(names)
 }
 
+/// The mean over fewer cells than this says nothing.
+const FEWEST_CELLS: f64 = 300.0;
+
+/// Points of a line, in order of x.
+type Points = Vec<(f64, Option<f64>)>;
+
 impl Means {
-    fn chart(&self, first: &str, mapper: &str, (metric, region, title): &(&str, &str, &str)) -> Option<Chart> {
-        let mut lines: BTreeMap<String, Vec<(f64, f64)>> = BTreeMap::new();
+    fn charts(&self, mapper: &str) -> Vec<Chart> {
+        let of = |row: &String| PANELS.iter().filter_map(|panel| self.chart(mapper, row, panel)).collect::<Vec<_>>();
+        self.rows.iter().flat_map(of).collect()
+    }
+
+    fn chart(&self, mapper: &str, row: &str, panel: &Panel) -> Option<Chart> {
+        let mut lines: BTreeMap<&str, Points> = BTreeMap::new();
         for (key, (sum, count)) in &self.values {
-            if (key.metric, key.region.as_str(), key.mapper.as_str()) == (*metric, *region, mapper) {
-                let mean = sum / *count as f64;
-                let y = if *region == "visible" { libm::exp(-mean) } else { mean };
-                lines.entry(key.line.clone()).or_default().push((key.x.parse().ok()?, y));
+            let own = (key.metric, key.region.as_str(), key.mapper.as_str(), key.row.as_str());
+            if own == (panel.metric, panel.region, mapper, row) {
+                let mean = sum / count;
+                let y = if panel.region == FREE { libm::exp(-mean) } else { mean };
+                lines.entry(&key.line).or_default().push((key.x.parse().ok()?, Some(y)));
             }
         }
-        let mut lines: Vec<(String, Vec<(f64, f64)>)> = lines.into_iter().collect();
-        lines.sort_by(|a, b| numeric(&a.0).total_cmp(&numeric(&b.0)).then_with(|| a.0.cmp(&b.0)));
-        lines.iter_mut().for_each(|(_, points)| points.sort_by(|a, b| a.0.total_cmp(&b.0)));
-        let all = || lines.iter().flat_map(|(_, points)| points);
-        let (least, most) = all().fold((f64::INFINITY, 0.0f64), |(a, b), (x, _)| (a.min(*x), b.max(*x)));
-        let top = all().fold(0.0f64, |top, (_, y)| top.max(*y));
-        if lines.is_empty() || most <= 0.0 || lines.iter().all(|(_, points)| points.len() < 2) {
-            return None;
+        // The legend stands where there is room for it, in the last panel.
+        let name = |value: &str| if panel.region == FREE { format!("{} {value}", self.line) } else { value.to_owned() };
+        let lines = lines.into_iter().map(|(value, points)| (name(value).trim().to_owned(), points));
+        let kind = if panel.region == FREE { Ordinate::Probability } else { Ordinate::Error };
+        let title = if row.is_empty() { panel.title.to_owned() } else { format!("{}: {row}", panel.title) };
+        let mut chart = lined(title, &label(&self.axis), lines.collect(), kind)?;
+        if panel.region != FREE {
+            chart.series.iter_mut().for_each(|series| series.name.clear());
         }
-        let label = label(first);
-        let x = if least > 0.0 && most / least > 5.0 {
-            Axis::logarithmic(&label, 0.9 * least..1.1 * most)
-        } else {
-            Axis::linear(&label, 0.0..1.05 * most)
+        Some(chart)
+    }
+
+    /// Log loss against range, a line for each number of looks.
+    fn range_by_looks(&self, mapper: &str) -> Vec<Chart> {
+        let mut sums: BTreeMap<String, BTreeMap<String, (f64, f64)>> = BTreeMap::new();
+        for (key, (sum, count)) in
+            self.values.iter().filter(|(key, _)| key.metric == "log_loss" && key.mapper == mapper)
+        {
+            let Some((range, looks)) = key.region.strip_prefix("range ").and_then(|rest| rest.split_once(" looks "))
+            else {
+                continue;
+            };
+            let bin = sums.entry(looks.to_owned()).or_default().entry(range.to_owned()).or_default();
+            *bin = (bin.0 + sum, bin.1 + count);
+        }
+        let point = |(range, (sum, count)): (&String, &(f64, f64))| {
+            let (from, to) = range.split_once('-').filter(|_| *count >= FEWEST_CELLS)?;
+            let from: f64 = from.parse().ok()?;
+            Some((0.5 * (from + to.parse().unwrap_or(1.5 * from)), Some(sum / count)))
         };
-        let y = if *region == "visible" { 0.0..1.02 } else { 0.0..1.15 * top.max(1e-9) };
-        let second = self.axes[1].as_deref().unwrap_or_default();
-        let series = lines.iter().enumerate().map(|(k, (value, points))| Series {
-            name: format!("{second} {value}").trim().to_owned(),
-            points: points.iter().map(|(x, y)| (*x, Some(*y))).collect(),
-            mark: MARKS[k / LINES.len() % MARKS.len()],
-            colour: LINES[k % LINES.len()],
-        });
-        Some(Chart {
-            title: (*title).to_owned(),
-            x,
-            y: Axis::linear("", y),
-            bands: Vec::new(),
-            series: series.collect(),
-            legend: SeriesLabelPosition::LowerRight,
-        })
+        let line = |(looks, ranges): (String, BTreeMap<String, (f64, f64)>)| {
+            (format!("looks {looks}"), ranges.iter().filter_map(point).collect())
+        };
+        let lines = sums.into_iter().map(line).collect();
+        lined(
+            "log loss by number of looks, nats per cell".to_owned(),
+            "range from which a cell was seen best, m",
+            lines,
+            Ordinate::Error,
+        )
+        .into_iter()
+        .collect()
     }
 }
 
-fn numeric(text: &str) -> f64 {
-    text.split_whitespace().next().and_then(|word| word.parse().ok()).unwrap_or(f64::INFINITY)
+/// A chart of lines, in the order of the numbers in their names; none where there is no line to draw.
+fn lined(title: String, x_label: &str, mut lines: Vec<(String, Points)>, kind: Ordinate) -> Option<Chart> {
+    lines.retain(|(_, points)| points.len() > 1);
+    lines.sort_by(|a, b| numbers(&a.0).partial_cmp(&numbers(&b.0)).unwrap_or(Ordering::Equal));
+    lines.iter_mut().for_each(|(_, points)| points.sort_by(|a, b| a.0.total_cmp(&b.0)));
+    let all = || lines.iter().flat_map(|(_, points)| points);
+    let ends = |values: &mut dyn Iterator<Item = f64>| {
+        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)))
+    };
+    let (left, right) = ends(&mut all().map(|(x, _)| *x));
+    let (bottom, top) = ends(&mut all().filter_map(|(_, y)| *y));
+    if lines.is_empty() || right <= left {
+        return None;
+    }
+    let x = if left > 0.0 && right / left > 10.0 {
+        Axis::logarithmic(x_label, 0.9 * left..1.1 * right)
+    } else {
+        let margin = 0.05 * (right - left);
+        Axis::linear(x_label, left - margin..right + margin)
+    };
+    // A probability near 1 is seen from 1, with room for the legend below; an error from 0.
+    let (y, legend) = match kind {
+        Ordinate::Probability => ((1.0 - 2.5 * (1.0 - bottom)).max(0.0)..1.0, SeriesLabelPosition::LowerLeft),
+        Ordinate::Error => (0.0..1.1 * top.max(1e-9), SeriesLabelPosition::UpperLeft),
+    };
+    let series = lines.into_iter().enumerate().map(|(k, (name, points))| Series {
+        name,
+        points,
+        mark: if k < LINES.len() { Mark::Ring } else { Mark::Triangle },
+        colour: LINES[k % LINES.len()],
+    });
+    Some(Chart { title, x, y: Axis::linear("", y), bands: Vec::new(), series: series.collect(), legend })
+}
+
+/// The numbers in a text, to sort by.
+fn numbers(text: &str) -> Vec<f64> {
+    text.split([' ', ',', '-']).filter_map(|word| word.parse().ok()).collect()
 }
 
 fn label(key: &str) -> String {
@@ -125,53 +202,60 @@ fn label(key: &str) -> String {
     }
 }
 
-/// Reads a table row by row; what is kept are sums, so that it may be long.
-fn read(path: &Path) -> Result<Means, Failure> {
+/// Reads a table row by row; what is kept are sums, so that it may be long. None where no number was varied.
+fn read(path: &Path) -> Result<Option<Means>, Failure> {
     let refuse = |what: &dyn std::fmt::Display| {
         Failure::BadInput(format!("{}: {what}; make it with `sweep merge`", path.display()))
     };
     let varied = varied(path).map_err(|e| refuse(&e))?;
-    let mut means = Means { axes: [None, None], values: BTreeMap::new(), mappers: BTreeSet::new() };
-    // The axis is a number; of several the one with most values. The rest makes lines.
-    let numbers = |values: &BTreeSet<String>| values.iter().all(|value| value.parse::<f64>().is_ok());
-    let first = varied.iter().rev().filter(|(_, values)| numbers(values)).max_by_key(|(key, _)| preference(key));
-    let Some((first, _)) = first else { return Ok(means) };
-    let rest: Vec<&String> = varied.iter().map(|(key, _)| key).filter(|key| *key != first).collect();
-    means.axes = [
-        Some(first.clone()),
-        Some(rest.iter().map(|key| key.replace('_', " ")).collect::<Vec<_>>().join(", "))
-            .filter(|name| !name.is_empty()),
-    ];
+    let is_number = |values: &BTreeSet<String>| values.iter().all(|value| value.parse::<f64>().is_ok());
+    let of_numbers =
+        |number: bool| varied.iter().filter(move |(_, values)| is_number(values) == number).map(|(key, _)| key);
+    let Some(axis) = of_numbers(true).max_by_key(|key| preference(key)) else { return Ok(None) };
+    let lines: Vec<&String> = of_numbers(true).filter(|key| *key != axis).collect();
+    let words: Vec<&String> = of_numbers(false).collect();
+    let mut means = Means {
+        axis: axis.clone(),
+        line: lines.iter().map(|key| key.replace('_', " ")).collect::<Vec<_>>().join(", "),
+        values: BTreeMap::new(),
+        mappers: BTreeSet::new(),
+        rows: BTreeSet::new(),
+    };
     let mut reader = csv::Reader::from_path(path).map_err(|e| refuse(&e))?;
     let heads = reader.headers().map_err(|e| refuse(&e))?.clone();
     let column =
         |name: &str| heads.iter().position(|head| head == name).ok_or_else(|| refuse(&format!("no column {name}")));
-    let (mapper, region, x) = (column("mapper")?, column("region")?, column(first)?);
-    let lines: Vec<usize> = rest.iter().map(|key| column(key)).collect::<Result<_, _>>()?;
+    let columns = |keys: &[&String]| keys.iter().map(|key| column(key)).collect::<Result<Vec<usize>, _>>();
+    let (mapper, region, x, lines, words) =
+        (column("mapper")?, column("region")?, column(axis)?, columns(&lines)?, columns(&words)?);
     let metrics = [("log_loss", column("log_loss")?), ("brier", column("brier")?)];
+    let cells = column("cells")?;
     for row in reader.records() {
         let row = row.map_err(|e| refuse(&e))?;
-        means.mappers.insert(row[mapper].to_owned());
-        let line = lines.iter().map(|column| row[*column].to_owned()).collect::<Vec<_>>().join(", ");
+        let joined = |columns: &[usize]| columns.iter().map(|at| row[*at].to_owned()).collect::<Vec<_>>().join(", ");
         for (metric, column) in metrics {
             let Ok(value) = row[column].parse::<f64>() else { continue };
             let key = Key {
                 metric,
                 region: row[region].to_owned(),
                 mapper: row[mapper].to_owned(),
-                line: line.clone(),
+                row: joined(&words),
+                line: joined(&lines),
                 x: row[x].to_owned(),
             };
-            let sum = means.values.entry(key).or_insert((0.0, 0));
-            *sum = (sum.0 + value, sum.1 + 1);
+            means.mappers.insert(key.mapper.clone());
+            means.rows.insert(key.row.clone());
+            let weight = if key.region.starts_with("range ") { row[cells].parse().unwrap_or(0.0) } else { 1.0 };
+            let sum = means.values.entry(key).or_insert((0.0, 0.0));
+            *sum = (sum.0 + weight * value, sum.1 + weight);
         }
     }
-    Ok(means)
+    Ok(Some(means))
 }
 
-/// What is best drawn along the axis.
-fn preference(key: &str) -> usize {
-    [
+/// What is best drawn along the axis, the higher the better.
+fn preference(key: &str) -> Option<usize> {
+    const KNOWN: [&str; 8] = [
         "correlation",
         "scans",
         "believed_sigma",
@@ -180,10 +264,8 @@ fn preference(key: &str) -> usize {
         "size_factor",
         "assumed_length",
         "grid",
-    ]
-    .iter()
-    .position(|known| *known == key)
-    .map_or(0, |at| at + 1)
+    ];
+    KNOWN.iter().position(|known| *known == key)
 }
 
 /// The parameters of a table with more than one value, in the order of its columns.
