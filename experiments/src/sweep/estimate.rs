@@ -75,3 +75,40 @@ impl Estimate {
 fn size(bytes: u64) -> String {
     format!("{:.1} MB", bytes as f64 / 1e6)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sweep::{file, manifest};
+
+    fn planned(folder: &std::path::Path) -> Manifest {
+        let scene = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/room.toml");
+        let text = format!("scene = \"{}\"\nmappers = [\"prior\"]\n[vary]\ngrid = [0.5, 1.0]\n", scene.display());
+        manifest::plan(&file::parse(&text, "s.toml").expect("valid"), folder, None, false).expect("planned")
+    }
+
+    #[test]
+    fn a_sample_is_of_one_job_and_reckoned_for_all() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let manifest = planned(folder.path());
+        let estimate = sample(&manifest, &[0, 1], 2).expect("read").expect("there are jobs");
+        assert_eq!(estimate.jobs, 2);
+        assert!(estimate.job > Duration::ZERO && estimate.bytes > 100);
+        assert_eq!(estimate.time, estimate.job);
+        assert_eq!(sample(&manifest, &[], 2).expect("nothing to read"), None);
+    }
+
+    #[test]
+    fn long_runs_are_announced_and_what_the_disk_does_not_hold_is_refused() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let manifest = planned(folder.path());
+        let job = Duration::from_secs(4);
+        let short = Estimate { jobs: 900, job, time: 900 * job, bytes: 1 };
+        assert_eq!(short.announce(&manifest).expect("room for a byte"), None);
+        let long = Estimate { jobs: 2700, time: 2700 * job, ..short };
+        let said = long.announce(&manifest).expect("room for a byte").expect("three hours");
+        assert!(said.contains("2700 jobs of about 4.00 s (one was timed) will take about 3.0 h"), "{said}");
+        let refused = Estimate { bytes: u64::MAX, ..short }.announce(&manifest).expect_err("no disk is so large");
+        assert!(matches!(&refused, Failure::BadInput(text) if text.contains("make room")), "{refused}");
+    }
+}

@@ -13,6 +13,7 @@ use std::time::Duration;
 use self::batch::{Array, arrays, script};
 use super::manifest::Manifest;
 use super::options::SlurmOptions;
+use super::shard::State;
 use super::{TABLE, merge, plots, say, shard};
 use crate::failure::Failure;
 use crate::{interruption, table};
@@ -22,6 +23,12 @@ use crate::{interruption, table};
 /// # Errors
 /// A sweep that this build has not planned; no Slurm; shards that no round has finished (exit code 3).
 pub(super) fn run(options: &SlurmOptions) -> Result<(), Failure> {
+    if let Some(option) = options.sbatch.iter().find(|option| option.starts_with("--array") || option.starts_with("-a"))
+    {
+        return Err(Failure::BadInput(format!(
+            "--sbatch {option}: which shards run follows from the manifest; leave it out"
+        )));
+    }
     let manifest = Manifest::open(&options.folder)?;
     manifest.confirm()?;
     let limit = options.max_array.unwrap_or_else(queue::largest_array);
@@ -39,7 +46,7 @@ pub(super) fn run(options: &SlurmOptions) -> Result<(), Failure> {
         ))
     });
 
-    let mut jobs = queue::remembered(&manifest.folder);
+    let mut jobs = queue::remembered(&manifest);
     for round in 0..=options.rounds {
         // Jobs of an earlier call may still be in the queue: shards are not submitted twice at once.
         follow(&manifest, &mut jobs, options)?;
@@ -53,7 +60,7 @@ pub(super) fn run(options: &SlurmOptions) -> Result<(), Failure> {
         for array in arrays(&missing, limit) {
             let job = queue::submit(&text(&array), &options.sbatch)?;
             say(&format!("round {}: job {job}, {} shards", round + 1, array.indices.len()));
-            queue::remember(&manifest.folder, &job)?;
+            queue::remember(&manifest, &job)?;
             jobs.insert(job);
         }
     }
@@ -72,9 +79,13 @@ pub(super) fn run(options: &SlurmOptions) -> Result<(), Failure> {
 
 /// Waits until none of the jobs is in the queue any more, or every shard is done.
 fn follow(manifest: &Manifest, jobs: &mut BTreeSet<String>, options: &SlurmOptions) -> Result<(), Failure> {
+    if jobs.is_empty() {
+        return Ok(());
+    }
+    let mut missing = shard::missing(manifest);
     let mut said = usize::MAX;
-    while !jobs.is_empty() {
-        let missing = shard::missing(manifest);
+    loop {
+        missing.retain(|number| !matches!(shard::state(manifest, *number), State::Done { .. }));
         if missing.is_empty() {
             return Ok(()); // what is left of the tasks finds its shards done
         }
@@ -82,12 +93,13 @@ fn follow(manifest: &Manifest, jobs: &mut BTreeSet<String>, options: &SlurmOptio
             say(&format!("{} of {} shards are not done", missing.len(), manifest.head.shards));
             said = missing.len();
         }
-        *jobs = queue::waiting(jobs, options.patience_s)?;
-        if !jobs.is_empty() {
-            std::thread::sleep(Duration::from_secs_f64(options.poll));
+        if jobs.is_empty() {
+            return Ok(());
         }
+        *jobs = queue::waiting(jobs, options.patience_s)?;
+        // Also after the last job has left: its files may be a moment late on a shared disk.
+        std::thread::sleep(Duration::from_secs_f64(options.poll));
     }
-    Ok(())
 }
 
 fn finish(manifest: &Manifest) -> Result<(), Failure> {

@@ -148,20 +148,21 @@ fn what_never_finishes_is_named_and_what_is_queued_is_not_submitted_twice() {
     let place = place();
     let place = place.path();
     let slurm = Slurm::start(place.join("s"));
-    run(slurm.sweep(place, &["plan", "sweep.toml", "--out", "never", "--shards", "4"]), 0);
-    fs::create_dir_all(place.join("never/shards/000002.csv")).expect("writable");
-    let (_, err) = run(slurm.sweep(place, &["slurm", "never", "--poll", "0.2", "--rounds", "2"]), 3);
+    // A space and a percent sign in the name, which scripts must quote.
+    run(slurm.sweep(place, &["plan", "sweep.toml", "--out", "never %a", "--shards", "4"]), 0);
+    fs::create_dir_all(place.join("never %a/shards/000002.csv")).expect("writable");
+    let (_, err) = run(slurm.sweep(place, &["slurm", "never %a", "--poll", "0.2", "--rounds", "2"]), 3);
     assert!(err.contains("1 of 4 shards are not done after 2 rounds: 2; see the logs"), "{err}");
-    assert_eq!(run(slurm.sweep(place, &["missing", "never"]), 0).0, "2\n");
-    fs::remove_dir(place.join("never/shards/000002.csv")).expect("removed");
+    assert_eq!(run(slurm.sweep(place, &["missing", "never %a"]), 0).0, "2\n");
+    fs::remove_dir(place.join("never %a/shards/000002.csv")).expect("removed");
 
     // Interrupted while its job is in the queue, held there.
-    let args = ["slurm", "never", "--poll", "0.2", "--sbatch=--hold"];
+    let args = ["slurm", "never %a", "--poll", "0.2", "--sbatch=--hold"];
     let mut command = slurm.sweep(place, &args);
     let child = command.stderr(Stdio::piped()).stdout(Stdio::null()).spawn().expect("runs");
-    let jobs = || fs::read_to_string(place.join("never/slurm-jobs.txt")).unwrap_or_default();
+    let jobs = || fs::read_to_string(place.join("never %a/slurm-jobs.txt")).unwrap_or_default();
     let before = jobs().lines().count();
-    let job = wait_for("the third job", || jobs().lines().nth(before).map(str::to_owned));
+    let job = wait_for("the third job", || jobs().lines().nth(before)?.split(' ').nth(1).map(str::to_owned));
     assert!(Command::new("kill").arg(child.id().to_string()).status().expect("runs").success());
     let err = finished(child, 75);
     assert!(err.contains("stay in the queue"), "{err}");
@@ -174,12 +175,14 @@ fn what_never_finishes_is_named_and_what_is_queued_is_not_submitted_twice() {
     assert!(released.expect("runs").success());
     let err = finished(child, 0);
     assert!(!err.contains("round"), "nothing was submitted again: {err}");
-    assert!(place.join("never/table.csv").exists());
+    assert!(place.join("never %a/table.csv").exists());
 
     let (_, err) = run(slurm.sweep(place, &["plan", "sweep.toml", "--out", "bad"]), 0);
     assert!(err.contains("24 jobs in 24 shards"), "{err}");
     let (_, err) = run(slurm.sweep(place, &["slurm", "bad", "--sbatch=--partition=none"]), 2);
     assert!(err.contains("sbatch:") && err.contains("partition"), "{err}");
+    let (_, err) = run(slurm.sweep(place, &["slurm", "bad", "--sbatch=--array=1"]), 2);
+    assert!(err.contains("follows from the manifest"), "{err}");
     let mut nowhere = slurm.sweep(place, &["slurm", "bad"]);
     nowhere.env("PATH", "/nonexistent");
     let (_, err) = run(nowhere, 2);

@@ -6,8 +6,8 @@ use std::path::Path;
 use crate::sweep::options::SlurmOptions;
 use crate::sweep::shard::ranges;
 
-/// Slurm cuts the text of `--array` near 4,096 characters.
-const LONGEST: usize = 3500;
+/// Slurm cuts the text of `--array` near 4,096 characters: so many runs such as `1234567-1234569,` stay well below.
+const MOST_RUNS: usize = 200;
 
 /// Shards that are submitted as one array.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -22,14 +22,18 @@ pub(super) struct Array {
 pub(super) fn arrays(shards: &[u32], limit: u32) -> Vec<Array> {
     let limit = limit.max(1);
     let mut arrays: Vec<Array> = Vec::new();
+    let mut runs = 0;
     for &shard in shards {
-        let offset = shard / limit * limit;
-        let fits = |array: &&mut Array| {
-            array.offset == offset && ranges(&[&array.indices[..], &[shard - offset]].concat()).len() <= LONGEST
-        };
-        match arrays.last_mut().filter(fits) {
-            Some(array) => array.indices.push(shard - offset),
-            None => arrays.push(Array { offset, indices: vec![shard - offset] }),
+        let (offset, index) = (shard / limit * limit, shard % limit);
+        let last = arrays.last_mut().filter(|array| array.offset == offset);
+        let follows = last.as_ref().is_some_and(|array| array.indices.last().is_some_and(|last| last + 1 == index));
+        runs += usize::from(!follows);
+        match last.filter(|_| runs <= MOST_RUNS) {
+            Some(array) => array.indices.push(index),
+            None => {
+                arrays.push(Array { offset, indices: vec![index] });
+                runs = 1;
+            }
         }
     }
     arrays
@@ -46,8 +50,10 @@ pub(super) fn script(executable: &Path, folder: &Path, options: &SlurmOptions, a
     let _ = writeln!(text, "#SBATCH --job-name=sweep");
     let _ = writeln!(text, "#SBATCH --array={}{throttle}", ranges(&array.indices));
     let _ = writeln!(text, "#SBATCH --cpus-per-task={}", options.threads);
-    let _ = writeln!(text, "#SBATCH --chdir={}", here.display());
-    let _ = writeln!(text, "#SBATCH --output={}/%A-%a.txt", folder.join("logs").display());
+    let _ = writeln!(text, "#SBATCH --chdir=\"{}\"", here.display());
+    let logs = folder.join("logs").display().to_string().replace('%', "%%");
+    let _ = writeln!(text, "#SBATCH --output=\"{logs}/%A-%a.txt\"");
+    let _ = writeln!(text, "#SBATCH --open-mode=append"); // a task that is requeued has the same log
     let _ = writeln!(
         text,
         "exec {} sweep run {} --shard $(({} + SLURM_ARRAY_TASK_ID)) --threads {}",
@@ -78,7 +84,7 @@ mod tests {
             assert_eq!(all, shards);
             for array in &arrays {
                 assert!(array.indices.iter().all(|index| *index < limit), "{limit}");
-                assert!(ranges(&array.indices).len() <= LONGEST && !array.indices.is_empty());
+                assert!(ranges(&array.indices).len() <= 3800 && !array.indices.is_empty());
             }
         }
         assert_eq!(arrays(&(0..1001).collect::<Vec<_>>(), 1001).len(), 1);
@@ -92,7 +98,8 @@ mod tests {
         let expected = r"exec '/bin/it'\''s' sweep run '/data/s' --shard $((1001 + SLURM_ARRAY_TASK_ID)) --threads 2";
         assert!(text.contains(expected), "{text}");
         assert!(
-            text.contains("#SBATCH --array=0-1,5%8\n") && text.contains("#SBATCH --output=/data/s/logs/%A-%a.txt\n")
+            text.contains("#SBATCH --array=0-1,5%8\n")
+                && text.contains("#SBATCH --output=\"/data/s/logs/%A-%a.txt\"\n")
         );
         assert!(!text.contains("TASK_COUNT"));
     }

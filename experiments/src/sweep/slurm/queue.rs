@@ -8,6 +8,7 @@ use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::failure::Failure;
+use crate::sweep::manifest::Manifest;
 
 /// The largest array of a site that does not say.
 const USUAL_LIMIT: u32 = 1001;
@@ -35,7 +36,8 @@ pub(super) fn submit(script: &str, arguments: &[String]) -> Result<String, Failu
             .stderr(Stdio::piped())
             .spawn()?;
         if let Some(mut stdin) = child.stdin.take() {
-            stdin.write_all(script.as_bytes())?;
+            // An sbatch that refuses its options does not read: what it says comes below.
+            let _ = stdin.write_all(script.as_bytes());
         }
         child.wait_with_output()
     };
@@ -83,20 +85,21 @@ fn file(folder: &Path) -> PathBuf {
     folder.join("slurm-jobs.txt")
 }
 
-/// The jobs that an earlier call has submitted.
-pub(super) fn remembered(folder: &Path) -> BTreeSet<String> {
-    let text = fs::read_to_string(file(folder)).unwrap_or_default();
-    text.lines().map(str::to_owned).filter(|job| job.parse::<u64>().is_ok()).collect()
+/// The jobs that an earlier call has submitted for this manifest.
+pub(super) fn remembered(manifest: &Manifest) -> BTreeSet<String> {
+    let text = fs::read_to_string(file(&manifest.folder)).unwrap_or_default();
+    let own = |line: &str| line.strip_prefix(&manifest.digest).map(|job| job.trim().to_owned());
+    text.lines().filter_map(own).filter(|job| job.parse::<u64>().is_ok()).collect()
 }
 
 /// Remembers a job, so that a later call does not submit its shards again while it is in the queue.
 ///
 /// # Errors
 /// A folder that cannot be written.
-pub(super) fn remember(folder: &Path, job: &str) -> Result<(), Failure> {
-    let path = file(folder);
+pub(super) fn remember(manifest: &Manifest, job: &str) -> Result<(), Failure> {
+    let path = file(&manifest.folder);
     let opened = fs::OpenOptions::new().create(true).append(true).open(&path);
-    opened.and_then(|mut file| writeln!(file, "{job}")).map_err(|e| Failure::write(&path, &e))
+    opened.and_then(|mut file| writeln!(file, "{} {job}", manifest.digest)).map_err(|e| Failure::write(&path, &e))
 }
 
 /// Forgets all jobs: every shard is done.
