@@ -40,7 +40,7 @@ fn main() {
     let fresh = |name: &str, text: &str, number: usize| {
         let sweep = file::parse(text, name).expect("valid");
         let place: PathBuf = folder.path().join(format!("{name}-{number}"));
-        manifest::plan(&sweep, &place, None, false).expect("planned")
+        manifest::plan(&sweep, &place, None, manifest::Replace::Never).expect("planned")
     };
     let seconds = |text: &str, name: &str, number: usize, threads: usize| {
         let manifest = fresh(name, text, number);
@@ -68,7 +68,7 @@ fn main() {
         for shard in 0..manifest.head.shards {
             manifest
                 .each_job(shard, |_, job| {
-                    pool.install(|| std::hint::black_box(job.run()));
+                    pool.install(|| std::hint::black_box(job.run()))?;
                     Ok(ControlFlow::Continue(()))
                 })
                 .expect("ran");

@@ -25,7 +25,7 @@ use std::time::Instant;
 
 use serde_json::json;
 
-use self::manifest::Manifest;
+use self::manifest::{Manifest, Replace};
 use self::options::{MergeOptions, Part, PlanOptions, RunOptions, StatusOptions};
 use self::shard::State;
 use crate::cli::Format;
@@ -48,9 +48,7 @@ pub fn run(options: &SweepOptions) -> Result<(), Failure> {
         (Some(Part::Plan(options)), _) => plan(options),
         (Some(Part::Run(options)), _) => run_shards(options),
         (Some(Part::Status(options)), _) => status(options),
-        (Some(Part::Missing(options)), _) => {
-            table::print(&format!("{}\n", shard::ranges(&shard::missing(&Manifest::open(&options.folder)?))))
-        }
+        (Some(Part::Missing(options)), _) => missing(&Manifest::open(&options.folder)?),
         (Some(Part::Merge(options)), _) => merge(options),
         (Some(Part::Plot(options)), _) => plots::draw(&options.folder).map(|_| ()),
         (Some(Part::Slurm(options)), _) => slurm::run(options),
@@ -68,7 +66,12 @@ fn default_folder(file: &Path) -> PathBuf {
 fn plan(options: &PlanOptions) -> Result<(), Failure> {
     let sweep = file::load(&options.file)?;
     let folder = options.out.clone().unwrap_or_else(|| default_folder(&options.file));
-    let manifest = manifest::plan(&sweep, &folder, options.shards, options.replace)?;
+    let manifest = manifest::plan(
+        &sweep,
+        &folder,
+        options.shards,
+        if options.replace { Replace::Always } else { Replace::Never },
+    )?;
     let place = folder.join(manifest::MANIFEST);
     say(&format!("{}: {} jobs in {} shards", place.display(), manifest.head.jobs, manifest.head.shards));
     Ok(())
@@ -92,6 +95,10 @@ fn run_shards(options: &RunOptions) -> Result<(), Failure> {
 /// Runs the shards named, or all that are not done.
 fn work(manifest: &Manifest, named: Option<&Vec<u32>>, threads: Option<u32>) -> Result<(), Failure> {
     let start = Instant::now();
+    let place = manifest.folder.display().to_string();
+    interruption::keeps(move || {
+        Some(format!("what is finished is kept in {place}; run the same command again to go on"))
+    });
     manifest.confirm()?;
     threads::limit(threads)?;
     shard::remove_leftovers(&manifest.folder);
@@ -152,6 +159,14 @@ fn status(options: &StatusOptions) -> Result<(), Failure> {
     }
 }
 
+/// Nothing is printed where nothing is missing.
+fn missing(manifest: &Manifest) -> Result<(), Failure> {
+    match shard::ranges(&shard::missing(manifest)) {
+        ranges if ranges.is_empty() => Ok(()),
+        ranges => table::print(&format!("{ranges}\n")),
+    }
+}
+
 fn merge(options: &MergeOptions) -> Result<(), Failure> {
     let manifest = Manifest::open(&options.folder)?;
     let out = options.out.clone().unwrap_or_else(|| options.folder.join(TABLE));
@@ -165,9 +180,17 @@ fn all(file: &Path, options: &SweepOptions) -> Result<(), Failure> {
     let sweep = file::load(file)?;
     let folder = options.out.clone().unwrap_or_else(|| default_folder(file));
     let former = Manifest::open(&folder).ok();
-    let manifest = manifest::plan(&sweep, &folder, options.shards, true)?;
+    let manifest = manifest::plan(
+        &sweep,
+        &folder,
+        options.shards,
+        if options.replace { Replace::Always } else { Replace::OtherBuild },
+    )?;
     if former.is_some_and(|former| former.digest != manifest.digest) {
-        say(&format!("{}: the sweep or the program has changed, and all of it runs again", folder.display()));
+        say(&format!(
+            "{}: another build, or another sweep, has planned it before: all of it runs again",
+            folder.display()
+        ));
     }
     work(&manifest, None, options.threads)?;
     let table = folder.join(TABLE);

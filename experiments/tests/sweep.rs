@@ -108,7 +108,7 @@ fn threads_shards_and_their_order_do_not_matter() {
     sweep(place, 0, &["run", "by-shard", "--shard", "2", "--shard", "3"]);
     sweep(place, 0, &["merge", "by-shard"]);
     assert!(table(place, "by-shard") == expected);
-    assert_eq!(sweep(place, 0, &["missing", "by-shard"]).0, "\n");
+    assert_eq!(sweep(place, 0, &["missing", "by-shard"]).0, "");
 }
 
 #[test]
@@ -126,7 +126,7 @@ fn killed_at_any_moment_any_number_of_times() {
         let ended = child.wait().expect("ended");
         kills += 1;
         hit += u32::from(ended.code().is_none());
-        if sweep(place, 0, &["missing", "killed"]).0 == "\n" {
+        if sweep(place, 0, &["missing", "killed"]).0.is_empty() {
             // All is done: some of it is to be done again, so that there is something to be killed at.
             for number in 0..64 {
                 if rng.random_bool(0.8) {
@@ -206,7 +206,9 @@ fn another_manifest_is_not_taken_for_this_one() {
     sweep(place, 0, &["plan", "less.toml", "--out", "one", "--replace"]);
     let (_, err) = sweep(place, 2, &["merge", "one"]);
     assert!(err.contains("64 of 64 shards"), "results of the former manifest do not count: {err}");
-    sweep(place, 0, &["sweep.toml", "--out", "one"]);
+    let (_, err) = sweep(place, 2, &["sweep.toml", "--out", "one"]);
+    assert!(err.contains("another sweep") && err.contains("--replace"), "{err}");
+    sweep(place, 0, &["sweep.toml", "--out", "one", "--replace"]);
     assert!(table(place, "one") == expected);
 
     fs::write(place.join("attics.toml"), FAMILY.replace("0.02", "0.03")).expect("writable");
@@ -218,12 +220,42 @@ fn another_manifest_is_not_taken_for_this_one() {
     fs::write(&manifest, text.replacen("\"build\":\"", "\"build\":\"x", 1)).expect("writable");
     let (_, err) = sweep(place, 2, &["run", "one"]);
     assert!(err.contains("was planned by build x") && err.contains("--replace"), "{err}");
+    for (from, to) in
+        [("\"keys\":[\"", "\"keys\":[\"x"), ("\"jobs\":144", "\"jobs\":0"), ("\"shards\":64", "\"shards\":63")]
+    {
+        fs::write(&manifest, text.replacen(from, to, 1)).expect("writable");
+        let (_, err) = sweep(place, 2, &["status", "one"]);
+        assert!(err.contains("manifest.jsonl: line 1 "), "{err}");
+    }
     fs::write(&manifest, &text[..text.len() / 2]).expect("writable");
     let (_, err) = sweep(place, 2, &["status", "one"]);
     assert!(err.contains("line 1 says 144 jobs"), "{err}");
     fs::write(&manifest, "nothing of the kind").expect("writable");
     let (_, err) = sweep(place, 2, &["status", "one"]);
     assert!(err.contains("line 1 is no manifest's"), "{err}");
+}
+
+#[test]
+fn a_family_that_changes_or_goes_during_a_run_gives_no_results() {
+    let place = place();
+    let place = place.path();
+    let expected = undisturbed(place);
+    for now in [Some(FAMILY.replace("0.02", "0.03")), None] {
+        sweep(place, 0, &["plan", "sweep.toml", "--out", "o", "--shards", "72"]);
+        let mut child = start(place, &["run", "o", "--threads", "1"]);
+        while fs::read_dir(place.join("o/shards")).map_or(0, Iterator::count) < 5 {
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        match &now {
+            Some(text) => fs::write(place.join("attics.toml"), text).expect("writable"),
+            None => fs::remove_file(place.join("attics.toml")).expect("removed"),
+        }
+        assert!(!child.wait().expect("ended").success());
+        fs::write(place.join("attics.toml"), FAMILY).expect("writable");
+        sweep(place, 0, &["sweep.toml", "--out", "o", "--shards", "72"]);
+        assert!(table(place, "o") == expected);
+        fs::remove_dir_all(place.join("o")).expect("removed");
+    }
 }
 
 #[cfg(unix)]
@@ -244,7 +276,7 @@ fn an_interruption_keeps_what_is_finished() {
         assert_eq!(child.wait().expect("ended").code(), Some(75));
         assert_eq!(temporary_files(&shards), 0);
         let missing = sweep(place, 0, &["missing", signal]).0;
-        assert!(missing != "\n" && missing != "0-19\n", "{missing}");
+        assert!(!missing.is_empty() && missing != "0-19\n", "{missing}");
         sweep(place, 0, &["sweep.toml", "--out", signal, "--shards", "20"]);
         assert!(table(place, signal) == expected);
     }

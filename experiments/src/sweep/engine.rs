@@ -46,7 +46,7 @@ pub fn run(manifest: &Manifest, shards: &[u32], threads: usize) -> Result<Ran, F
                     if let Ok(mut first) = first.lock() {
                         first.get_or_insert(failure);
                     }
-                    return;
+                    continue;
                 }
                 done.fetch_add(1, Ordering::SeqCst);
             }
@@ -75,7 +75,7 @@ fn shard_of(manifest: &Manifest, number: u32, progress: &ProgressBar, failed: &A
     }
     let mut csv = csv::Writer::from_writer(Vec::new());
     manifest.each_job(number, |id, job| {
-        for row in job.run() {
+        for row in job.run()? {
             failed.fetch_add(u64::from(!row.error.is_empty()), Ordering::Relaxed);
             csv.write_record(row.fields(id, &job, &manifest.head.keys)).map_err(Failure::internal)?;
         }

@@ -31,7 +31,7 @@ pub fn sample(manifest: &Manifest, shards: &[u32], threads: usize) -> Result<Opt
     let mut sampled = None;
     manifest.each_job(first, |id, job| {
         let start = Instant::now();
-        let rows = job.run();
+        let rows = job.run()?;
         let length = |fields: Vec<String>| fields.iter().map(|field| field.len() + 1).sum::<usize>() as u64;
         let bytes: u64 = rows.iter().map(|row| length(row.fields(id, &job, &manifest.head.keys))).sum();
         sampled = Some((start.elapsed(), bytes));
@@ -84,7 +84,8 @@ mod tests {
     fn planned(folder: &std::path::Path) -> Manifest {
         let scene = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/room.toml");
         let text = format!("scene = \"{}\"\nmappers = [\"prior\"]\n[vary]\ngrid = [0.5, 1.0]\n", scene.display());
-        manifest::plan(&file::parse(&text, "s.toml").expect("valid"), folder, None, false).expect("planned")
+        manifest::plan(&file::parse(&text, "s.toml").expect("valid"), folder, None, manifest::Replace::Never)
+            .expect("planned")
     }
 
     #[test]

@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use super::digest;
 use super::parameters::{Settings, number_of, parameter, word_of};
 use super::row::{Row, rows};
+use super::site::Site;
 use crate::failure::Failure;
 use crate::trial::{Ground, Keep};
 
@@ -67,21 +68,26 @@ impl Job {
         digest::number(serde_json::to_string(&world).unwrap_or_default().as_bytes())
     }
 
-    /// Runs the job and gives its rows. What goes wrong in a world or a mapper, even a panic, is a row with the
-    /// error, and so is a file that says something else than when the job was planned.
-    pub fn run(&self) -> Vec<Row> {
-        let together = self.rows(&self.mappers);
-        match together {
-            Ok(rows) => rows,
+    /// Runs the job and gives its rows. What goes wrong in a world or a mapper, even a panic, is a row with the error.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or that says something else than when the job was planned: that is no result, and
+    /// another time it may be one.
+    pub fn run(&self) -> Result<Vec<Row>, Failure> {
+        let rows = self.rows(&self.mappers).unwrap_or_else(|error| match self.mappers.as_slice() {
+            [] => Vec::new(),
+            [one] => vec![Row::failed(one, &error)],
             // One mapper's failure is not that of the others: they have their rows if they are run alone.
-            Err(_) if self.mappers.len() > 1 => {
+            all => {
                 let alone = |name: &String| {
                     self.rows(std::slice::from_ref(name)).unwrap_or_else(|e| vec![Row::failed(name, &e)])
                 };
-                self.mappers.iter().flat_map(alone).collect()
+                all.iter().flat_map(alone).collect()
             }
-            Err(error) => vec![Row::failed(self.mappers.first().map_or("", |name| name), &error)],
-        }
+        });
+        // After it was read for the last time: what was read is what was planned.
+        Site { file: self.file.clone(), digest: self.digest.clone(), family: self.family }.confirm()?;
+        Ok(rows)
     }
 
     fn rows(&self, mappers: &[String]) -> Result<Vec<Row>, String> {
@@ -234,12 +240,18 @@ mod tests {
     fn a_failure_is_a_row_and_not_that_of_other_mappers() {
         let scene = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/room.toml");
         let mappers = ["prior", "no such mapper"].map(str::to_owned).to_vec();
-        let mut job = Job { file: scene.display().to_string(), mappers, ..job() };
+        let site = Site::load(&scene, false).expect("a scene");
+        let mut job = Job { file: site.file, digest: site.digest, mappers, ..job() };
         job.settings.insert("grid".to_owned(), Value::Number(0.5));
-        let rows = job.run();
+        let rows = job.run().expect("the file is as it was");
         assert_eq!(rows.len(), 2);
         assert!(rows[0].mapper == "prior" && rows[0].error.is_empty() && rows[0].values[0].is_some());
         assert!(rows[1].mapper == "no such mapper" && rows[1].error.contains("there is no mapper"));
+
+        let changed = Job { digest: "another".to_owned(), ..job.clone() };
+        assert!(changed.run().expect_err("no result").to_string().contains("has changed since the sweep was planned"));
+        let away = Job { file: "nowhere.toml".to_owned(), ..job };
+        assert!(away.run().expect_err("no result").to_string().contains("nowhere.toml"));
     }
 
     #[test]

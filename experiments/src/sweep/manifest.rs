@@ -29,6 +29,8 @@ const FEWEST_SHARDS: u64 = 64;
 pub struct Head {
     /// Version of the form of the file: 1.
     pub schema_version: u32,
+    /// Digest of the ids of all jobs in order, and of the other values of this line: the same for every build.
+    pub sweep: String,
     /// Number of jobs.
     pub jobs: u64,
     /// Number of shards.
@@ -72,6 +74,17 @@ pub struct Manifest {
     starts: Vec<u64>,
 }
 
+/// When a manifest takes the place of another.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Replace {
+    /// Never.
+    Never,
+    /// If it is of the same sweep, planned by another build.
+    OtherBuild,
+    /// Whatever it is.
+    Always,
+}
+
 /// Where a job of the product is, for sorting: 16 bytes for each of millions.
 struct Place {
     id: u64,
@@ -82,7 +95,7 @@ struct Place {
 ///
 /// # Errors
 /// A file of the sweep that cannot be read; another manifest in the folder, unless `replace`; I/O.
-pub fn plan(sweep: &Sweep, folder: &Path, shards: Option<u32>, replace: bool) -> Result<Manifest, Failure> {
+pub fn plan(sweep: &Sweep, folder: &Path, shards: Option<u32>, replace: Replace) -> Result<Manifest, Failure> {
     let families = sweep.of_families;
     let sites: Vec<Site> = sweep.sites.iter().map(|path| Site::load(path, families)).collect::<Result<_, _>>()?;
     let settings_count = sweep.settings_count().unwrap_or(0);
@@ -110,14 +123,17 @@ pub fn plan(sweep: &Sweep, folder: &Path, shards: Option<u32>, replace: bool) ->
     }
     let usual = jobs.div_ceil(JOBS_PER_SHARD).max(FEWEST_SHARDS);
     let shards = shards.map_or(usual, u64::from).clamp(1, jobs.max(1)) as u32;
-    let head = Head {
+    let mut head = Head {
         schema_version: 1,
+        sweep: String::new(),
         jobs,
         shards,
         keys: sweep.keys().into_iter().map(str::to_owned).collect(),
         build: build(),
         sites: sites.iter().map(HeadSite::of).collect(),
     };
+
+    head.sweep = head.sweep_digest(places.iter().map(|place| format!("{:016x}", place.id)));
 
     fs::create_dir_all(folder).map_err(|e| Failure::write(folder, &e))?;
     let path = folder.join(MANIFEST);
@@ -140,9 +156,16 @@ pub fn plan(sweep: &Sweep, folder: &Path, shards: Option<u32>, replace: bool) ->
         Ok(digest.hex())
     };
     let digest = write().map_err(|e| Failure::write(&path, &e))?;
-    if !replace && path.exists() && !Manifest::open(folder).is_ok_and(|former| former.digest == digest) {
+    let stays = path.exists()
+        && match (Manifest::open(folder), replace) {
+            (_, Replace::Always) => false,
+            (Ok(former), Replace::OtherBuild) => former.head.sweep != head.sweep,
+            (Ok(former), Replace::Never) => former.digest != digest,
+            (Err(_), _) => true,
+        };
+    if stays {
         return Err(Failure::BadInput(format!(
-            "{}: is the manifest of another sweep, or was planned by another build; choose another folder, or give --replace",
+            "{}: is the manifest of another sweep, or was planned by another build; choose another folder with --out, or give --replace",
             path.display()
         )));
     }
@@ -153,6 +176,16 @@ pub fn plan(sweep: &Sweep, folder: &Path, shards: Option<u32>, replace: bool) ->
 /// The shard of the job at a place in the order: runs of it that differ by one job at most.
 fn shard_of(at: u64, jobs: u64, shards: u32) -> u32 {
     (u128::from(at) * u128::from(shards) / u128::from(jobs)) as u32
+}
+
+impl Head {
+    /// What [`sweep`](Self::sweep) must be for jobs with these ids.
+    fn sweep_digest(&self, ids: impl Iterator<Item = impl AsRef<[u8]>>) -> String {
+        let mut digest = Running::default();
+        digest.add(format!("{} {} {:?} {:?}", self.jobs, self.shards, self.keys, self.sites).as_bytes());
+        ids.for_each(|id| digest.add(id.as_ref()));
+        digest.hex()
+    }
 }
 
 impl HeadSite {
@@ -181,7 +214,11 @@ impl Manifest {
         if head.schema_version != 1 {
             return Err(refuse(&format!("schema_version = {}: must be 1", head.schema_version)));
         }
+        if head.jobs == 0 || head.shards == 0 || u64::from(head.shards) > head.jobs {
+            return Err(refuse(&format!("line 1 says {} jobs in {} shards, which cannot be", head.jobs, head.shards)));
+        }
         let mut starts = Vec::new();
+        let mut ids: Vec<[u8; 16]> = Vec::new();
         let (mut offset, mut jobs) = (line.len() as u64, 0);
         loop {
             line.clear();
@@ -191,12 +228,17 @@ impl Manifest {
             if starts.len() as u64 <= u64::from(shard_of(jobs, head.jobs, head.shards)) {
                 starts.push(offset);
             }
+            // A line begins with `{"id":"` and the 16 digits of the id.
+            ids.push(line.get(7..23).and_then(|id| id.try_into().ok()).unwrap_or_default());
             digest.add(&line);
             offset += line.len() as u64;
             jobs += 1;
         }
         if jobs != head.jobs {
             return Err(refuse(&format!("line 1 says {} jobs, and {jobs} follow", head.jobs)));
+        }
+        if head.sweep_digest(ids.into_iter()) != head.sweep {
+            return Err(refuse(&"line 1 does not fit the jobs that follow"));
         }
         Ok(Self { folder: folder.to_owned(), head, digest: digest.hex(), starts })
     }

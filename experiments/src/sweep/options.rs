@@ -45,6 +45,9 @@ pub struct SweepOptions {
     /// Number of shards [default: one for 500 jobs, at least 64]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = count(MOST_SHARDS))]
     pub shards: Option<u32>,
+    /// Take the place of another sweep in the folder, whose results then do not count any more
+    #[arg(long)]
+    pub replace: bool,
     /// Threads to use, all processors if not given; results do not depend on it
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = count(MOST_THREADS))]
     pub threads: Option<u32>,

@@ -28,7 +28,7 @@ struct Trailer {
 /// What there is of a shard.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum State {
-    /// Whole, with so many rows, of which so many are failures.
+    /// Whole.
     Done {
         /// Number of rows.
         rows: u64,
@@ -152,7 +152,8 @@ pub fn note_failure(manifest: &Manifest, shard: u32, cause: &str) {
 
 /// Removes what processes of this machine left behind that were killed while they wrote.
 pub fn remove_leftovers(folder: &Path) {
-    for entry in fs::read_dir(folder.join("shards")).into_iter().flatten().flatten() {
+    let entries = [folder, &folder.join("shards")].map(|folder| fs::read_dir(folder).into_iter().flatten().flatten());
+    for entry in entries.into_iter().flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();
         let parts: Vec<&str> = name.rsplit('.').collect(); // number, process, host, ...
         let Some([_, process, host]) = parts.first_chunk() else { continue };
