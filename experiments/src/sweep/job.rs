@@ -24,7 +24,7 @@ use crate::trial::{Ground, Keep};
 pub struct Job {
     /// Scene or family file.
     pub file: String,
-    /// Digest of what it says, see [`Site`](super::site::Site).
+    /// Digest of what it says, see [`Site`].
     pub digest: String,
     /// Whether it is a family, of which the seed is also the layout.
     pub family: bool,
