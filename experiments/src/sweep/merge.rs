@@ -50,5 +50,27 @@ pub fn merge(manifest: &Manifest, out: &Path) -> Result<u64, Failure> {
 /// A list for a message.
 fn abridged(list: &str) -> String {
     const LONGEST: usize = 60;
-    if list.len() <= LONGEST { list.to_owned() } else { format!("{}...", &list[..LONGEST]) }
+    if list.len() <= LONGEST {
+        return list.to_owned();
+    }
+    // Between two numbers: half of one is another.
+    let end = list[..=LONGEST].rfind(',').unwrap_or(LONGEST);
+    format!("{},...", &list[..end])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_list_is_abridged_between_its_numbers() {
+        assert_eq!(abridged("0-3,7"), "0-3,7");
+        let numbers: Vec<u32> = (0..200).map(|k| 100_001 + 3 * k).collect();
+        let text = abridged(&shard::ranges(&numbers));
+        let said: Vec<&str> = text.strip_suffix(",...").expect("abridged").split(',').collect();
+        assert!(said.len() > 5 && text.len() < 70, "{text}");
+        for (word, number) in said.iter().zip(&numbers) {
+            assert_eq!(*word, number.to_string());
+        }
+    }
 }

@@ -287,3 +287,49 @@ fn varied(path: &Path) -> Result<Vec<(String, BTreeSet<String>)>, csv::Error> {
     values.retain(|(_, values)| values.len() > 1);
     Ok(values)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A table with the columns that are read, of two cell sizes.
+    fn drawn(rows: &str) -> Result<(Vec<String>, Vec<Vec<u8>>), Failure> {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let text = format!("id,scene,seed,grid,mapper,region,cells,log_loss,brier,error\n{rows}");
+        std::fs::write(folder.path().join(TABLE), text).expect("writable");
+        let names = draw(folder.path())?;
+        let pictures = names.iter().map(|name| std::fs::read(folder.path().join(name)).expect("drawn")).collect();
+        Ok((names, pictures))
+    }
+
+    #[test]
+    fn a_sheet_for_each_mapper_that_has_values() {
+        let rows = "0,a,1,0.1,prior,observable,9,0.5,0.2,\n1,a,1,0.2,prior,observable,9,0.6,0.3,\n\
+                    2,a,1,0.2,visibility,,,,,lost\n";
+        let (names, pictures) = drawn(rows).expect("drawn");
+        assert_eq!(names, ["prior.png"]);
+        assert!(pictures[0].starts_with(b"\x89PNG"));
+    }
+
+    #[test]
+    fn the_mean_over_worlds_is_of_those_with_a_value() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let path = folder.path().join(TABLE);
+        let text = "grid,mapper,region,cells,log_loss,brier,error\n0.1,prior,observable,9,0.5,0.2,\n\
+                    0.1,prior,observable,9,0.7,0.4,\n0.1,prior,,,,,lost\n0.2,prior,observable,9,0.9,,\n";
+        std::fs::write(&path, text).expect("writable");
+        let means = read(&path).expect("read").expect("a number was varied");
+        let sums: Vec<_> = means.values.iter().map(|(k, v)| (k.metric, k.x.as_str(), *v)).collect();
+        assert_eq!(
+            format!("{sums:?}"),
+            r#"[("brier", "0.1", (0.6000000000000001, 2.0)), ("log_loss", "0.1", (1.2, 2.0)), ("log_loss", "0.2", (0.9, 1.0))]"#
+        );
+    }
+
+    #[test]
+    fn no_picture_where_nothing_varies_or_all_failed() {
+        assert!(drawn("0,a,1,0.1,prior,observable,9,0.5,0.2,\n").expect("read").0.is_empty());
+        assert!(drawn("0,a,1,0.1,prior,,,,,lost\n1,a,1,0.2,prior,,,,,lost\n").expect("read").0.is_empty());
+        assert!(drawn("").expect("read").0.is_empty());
+    }
+}

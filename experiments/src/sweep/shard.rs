@@ -176,4 +176,71 @@ mod tests {
         assert_eq!(ranges(&[3]), "3");
         assert_eq!(ranges(&[0, 1, 2, 3, 7, 9, 10]), "0-3,7,9-10");
     }
+
+    /// A manifest of three jobs in one shard, which no test runs.
+    fn planned(folder: &Path, first_seed: u64) -> Manifest {
+        use super::super::{file, manifest};
+        let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/room.toml");
+        let text = format!(
+            "scene = {:?}\nmappers = [\"prior\"]\nseeds = {{ first = {first_seed}, count = 3 }}",
+            scene.display().to_string()
+        );
+        let sweep = file::parse(&text, "s.toml").expect("valid");
+        manifest::plan(&sweep, folder, Some(1), manifest::Replace::Always).expect("planned")
+    }
+
+    #[test]
+    fn a_result_counts_only_as_it_was_written() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let manifest = planned(folder.path(), 1);
+        assert_eq!(state(&manifest, 0), State::Missing);
+        let rows = b"0a,room,1,0.5\n0b,room,2,\n0c,room,3,0.25\n";
+        write(&manifest, 0, rows).expect("written");
+        assert_eq!(state(&manifest, 0), State::Done { rows: 3 });
+        let mut copied = Vec::new();
+        copy(&manifest, 0, &mut copied).expect("copied");
+        assert_eq!(copied, rows);
+
+        let file = path(folder.path(), 0);
+        let good = fs::read(&file).expect("there");
+        for length in 0..good.len() {
+            fs::write(&file, &good[..length]).expect("writable");
+            assert_eq!(state(&manifest, 0), State::Invalid, "the first {length} bytes");
+        }
+        for at in 0..good.len() {
+            let mut bytes = good.clone();
+            bytes[at] ^= 1;
+            fs::write(&file, &bytes).expect("writable");
+            assert_eq!(state(&manifest, 0), State::Invalid, "byte {at} flipped");
+        }
+        for more in [&b"\n"[..], b"x", b"0d,room,4,\n"] {
+            fs::write(&file, [&good, more].concat()).expect("writable");
+            assert_eq!(state(&manifest, 0), State::Invalid, "{more:?} behind it");
+        }
+        fs::write(&file, &good).expect("writable");
+        assert_eq!(state(&manifest, 0), State::Done { rows: 3 });
+        assert_eq!(state(&planned(folder.path(), 2), 0), State::Invalid, "of another manifest");
+    }
+
+    #[test]
+    fn what_a_dead_process_left_goes_and_what_others_may_still_write_stays() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        fs::create_dir(folder.path().join("shards")).expect("writable");
+        let own = crate::staging::unique();
+        let (host, process) = (own.split('.').next().unwrap_or_default(), std::process::id());
+        // Process numbers end far below this.
+        let dead = format!(".000001.csv.{host}.4294967295.00");
+        let stay = [
+            format!(".000001.csv.{host}.{process}.00"),
+            format!(".000001.csv.{host}x.4294967295.00"),
+            format!("000001.csv.{host}.4294967295.00"),
+        ];
+        let at = |name: &String| folder.path().join("shards").join(name);
+        for name in stay.iter().chain([&dead]) {
+            fs::write(at(name), "half").expect("writable");
+        }
+        remove_leftovers(folder.path());
+        assert!(stay.iter().all(|name| at(name).exists()));
+        assert_eq!(at(&dead).exists(), !Path::new("/proc/self").exists());
+    }
 }
