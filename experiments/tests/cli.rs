@@ -1,5 +1,8 @@
 //! The command line as a user meets it: exit codes, messages, files, and the same bytes every time.
 
+mod attic;
+mod checked;
+
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -7,6 +10,9 @@ use std::process::Output;
 
 use assert_cmd::Command;
 use tempfile::TempDir;
+
+use attic::FAMILY;
+use checked::checked;
 
 /// A small closed room with a box, seen by few columns: done in a moment.
 const SCENE: &str = r#"
@@ -54,25 +60,6 @@ turn_rate_deg = 60.0
 scan_interval = 0.5
 "#;
 
-/// A family of small, almost empty rooms.
-const FAMILY: &str = r#"
-name = "attic"
-description = "Rooms of 3 m with a box or two"
-[generate]
-kind = "clutter"
-width = [3.0, 3.0]
-height = [3.0, 3.2]
-obstacle_size = 0.3
-covered = 0.02
-[grid]
-cell = 0.1
-[camera]
-columns = 16
-[robot]
-radius = 0.15
-scan_interval = 0.8
-"#;
-
 struct Place {
     folder: TempDir,
 }
@@ -95,10 +82,7 @@ impl Place {
 
     /// Runs and expects an exit code; gives stdout and stderr.
     fn expect(&self, code: i32, args: &[&str]) -> (String, String) {
-        let output = self.run(args);
-        let [out, err] = [&output.stdout, &output.stderr].map(|bytes| String::from_utf8_lossy(bytes).into_owned());
-        assert_eq!(output.status.code(), Some(code), "{args:?}\nstdout: {out}\nstderr: {err}");
-        (out, err)
+        checked(code, &args, &self.run(args))
     }
 
     fn edit(&self, from: &str, to: &str) {

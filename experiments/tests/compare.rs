@@ -1,33 +1,18 @@
 //! `compare` as a user meets it: files, the same bytes every time, interruption, and messages.
 
+mod checked;
+mod nook;
+
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use tempfile::TempDir;
 
-/// A small hall, seen by few columns: a world is done in a moment.
-const FAMILY: &str = r#"
-name = "nook"
-[generate]
-kind = "clutter"
-width = [4.0, 4.5]
-height = [3.5, 4.0]
-obstacle_size = 0.4
-covered = 0.04
-[grid]
-cell = 0.1
-[camera]
-columns = 24
-field_of_view_deg = 80.0
-[robot]
-radius = 0.15
-speed = 0.6
-turn_rate_deg = 90.0
-scan_interval = 0.5
-"#;
+use checked::checked;
+use nook::FAMILY;
 
 struct Place {
     folder: TempDir,
@@ -60,14 +45,8 @@ impl Place {
 
     /// Runs and expects an exit code; gives stdout and stderr.
     fn expect(&self, code: i32, args: &[&str]) -> (String, String) {
-        checked(code, args, &self.command(args).output().expect("runs"))
+        checked(code, &args, &self.command(args).output().expect("runs"))
     }
-}
-
-fn checked(code: i32, args: &[&str], output: &Output) -> (String, String) {
-    let [out, err] = [&output.stdout, &output.stderr].map(|bytes| String::from_utf8_lossy(bytes).into_owned());
-    assert_eq!(output.status.code(), Some(code), "{args:?}\nstdout: {out}\nstderr: {err}");
-    (out, err)
 }
 
 /// Every file of a folder with its bytes; a folder in it has none.

@@ -1,11 +1,13 @@
 //! `gate` as a build meets it: verdicts, baselines, exit codes, files for other machines, and messages.
 
+mod checked;
 #[path = "../examples/own-gate/src/counting.rs"]
 mod counting;
+mod nook;
 
 use std::fs;
 use std::path::PathBuf;
-use std::process::{Command, Output};
+use std::process::Command;
 
 use experiments::gate::{self, GateOptions};
 use mapper::catalogue::{Entry, Kind};
@@ -13,26 +15,8 @@ use quick_xml::Reader;
 use quick_xml::events::Event;
 use tempfile::TempDir;
 
-/// A small room, seen by few columns: a world is done in a moment.
-const FAMILY: &str = r#"
-name = "nook"
-[generate]
-kind = "clutter"
-width = [4.0, 4.5]
-height = [3.5, 4.0]
-obstacle_size = 0.4
-covered = 0.04
-[grid]
-cell = 0.1
-[camera]
-columns = 24
-field_of_view_deg = 80.0
-[robot]
-radius = 0.15
-speed = 0.6
-turn_rate_deg = 90.0
-scan_interval = 0.5
-"#;
+use checked::checked;
+use nook::FAMILY;
 
 /// One gate of every kind.
 const GATES: &str = r#"
@@ -104,7 +88,7 @@ impl Place {
 
     /// Runs and expects an exit code; gives stdout and stderr.
     fn expect(&self, code: i32, args: &[&str]) -> (String, String) {
-        checked(code, args, &self.command(args).output().expect("runs"))
+        checked(code, &args, &self.command(args).output().expect("runs"))
     }
 
     /// The gates with one mapper or number for another.
@@ -112,12 +96,6 @@ impl Place {
         assert!(self.text("gates.toml").contains(from), "{from}");
         self.put("gates.toml", &self.text("gates.toml").replacen(from, to, 1));
     }
-}
-
-fn checked(code: i32, args: &[&str], output: &Output) -> (String, String) {
-    let [out, err] = [&output.stdout, &output.stderr].map(|bytes| String::from_utf8_lossy(bytes).into_owned());
-    assert_eq!(output.status.code(), Some(code), "{args:?}\nstdout: {out}\nstderr: {err}");
-    (out, err)
 }
 
 fn narrow(text: &str) {

@@ -1,5 +1,7 @@
 //! `ray` against the definitions, taken literally: the sum over all 2^N states of files drawn at random. Nothing here uses the crates.
 
+mod checked;
+
 use std::fs;
 use std::path::Path;
 
@@ -7,12 +9,12 @@ use assert_cmd::Command;
 use serde_json::Value;
 use tempfile::TempDir;
 
+use checked::checked;
+
 fn run(folder: &Path, code: i32, args: &[&str]) -> (String, String) {
     let mut command = Command::cargo_bin("experiments").expect("built");
     let output = command.current_dir(folder).args(args).output().expect("runs");
-    let [out, err] = [&output.stdout, &output.stderr].map(|bytes| String::from_utf8_lossy(bytes).into_owned());
-    assert_eq!(output.status.code(), Some(code), "{args:?}\nstdout: {out}\nstderr: {err}");
-    (out, err)
+    checked(code, &args, &output)
 }
 
 fn place() -> TempDir {

@@ -1,31 +1,19 @@
 //! `sweep`: whatever happens to those who run its shards, the table is the same to the byte.
 
+mod attic;
+mod checked;
+
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use tempfile::TempDir;
 
-/// A family of small, almost empty rooms.
-const FAMILY: &str = r#"
-name = "attic"
-[generate]
-kind = "clutter"
-width = [3.0, 3.0]
-height = [3.0, 3.2]
-obstacle_size = 0.3
-covered = 0.02
-[grid]
-cell = 0.1
-[camera]
-columns = 16
-[robot]
-radius = 0.15
-scan_interval = 0.8
-"#;
+use attic::FAMILY;
+use checked::checked;
 
 const SWEEP: &str = r#"
 families = ["attics.toml"]
@@ -56,10 +44,7 @@ fn command(place: &Path, args: &[&str]) -> Command {
 
 /// Runs `sweep` and expects an exit code; gives stdout and stderr.
 fn sweep(place: &Path, code: i32, args: &[&str]) -> (String, String) {
-    let Output { status, stdout, stderr } = command(place, args).output().expect("runs");
-    let [out, err] = [stdout, stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
-    assert_eq!(status.code(), Some(code), "{args:?}\nstdout: {out}\nstderr: {err}");
-    (out, err)
+    checked(code, &args, &command(place, args).output().expect("runs"))
 }
 
 fn start(place: &Path, args: &[&str]) -> Child {

@@ -1,30 +1,17 @@
 //! `tune`: exit codes, the same bytes every time, and what is built in is what was fitted.
 
+mod attic;
+mod checked;
+
 use std::fs;
 use std::path::Path;
-use std::process::Output;
 
 use assert_cmd::Command;
 use experiments::tune::candidates::{Candidate, Tuned};
 use tempfile::TempDir;
 
-/// A family of small, almost empty rooms.
-const FAMILY: &str = r#"
-name = "attic"
-[generate]
-kind = "clutter"
-width = [3.0, 3.0]
-height = [3.0, 3.2]
-obstacle_size = 0.3
-covered = 0.02
-[grid]
-cell = 0.1
-[camera]
-columns = 16
-[robot]
-radius = 0.15
-scan_interval = 0.8
-"#;
+use attic::FAMILY;
+use checked::checked;
 
 fn place() -> TempDir {
     let folder = tempfile::tempdir().expect("temporary folder");
@@ -41,10 +28,7 @@ fn tune(place: &Path, code: i32, args: &[&str]) -> (String, String) {
             command.args(default);
         }
     }
-    let Output { status, stdout, stderr } = command.output().expect("runs");
-    let [out, err] = [stdout, stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
-    assert_eq!(status.code(), Some(code), "{args:?}\nstdout: {out}\nstderr: {err}");
-    (out, err)
+    checked(code, &args, &command.output().expect("runs"))
 }
 
 /// The rows of a table.

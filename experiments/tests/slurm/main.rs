@@ -1,30 +1,19 @@
 //! `sweep slurm` on a real Slurm, one that lives on this machine for as long as the test: with tasks that crash and tasks
 //! that are killed, the table is that of an undisturbed run. Needs Debian's slurmctld, slurmd, slurm-client and munge.
 
+#[path = "../attic/mod.rs"]
+mod attic;
+#[path = "../checked/mod.rs"]
+mod checked;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-/// A family of small, almost empty rooms.
-const FAMILY: &str = r#"
-name = "attic"
-[generate]
-kind = "clutter"
-width = [3.0, 3.0]
-height = [3.0, 3.2]
-obstacle_size = 0.3
-covered = 0.02
-[grid]
-cell = 0.1
-[camera]
-columns = 32
-[robot]
-radius = 0.15
-scan_interval = 0.4
-"#;
+use checked::checked;
 
-/// Small cells, so that a task lives long enough to be killed.
+/// Small cells and many readings, so that a task lives long enough to be killed.
 const SWEEP: &str = r#"
 families = ["attics.toml"]
 mappers = ["visibility", "conventional"]
@@ -71,16 +60,16 @@ impl Drop for Slurm {
 
 fn place() -> tempfile::TempDir {
     let folder = tempfile::Builder::new().prefix("sl").tempdir_in("/tmp").expect("a short path");
-    fs::write(folder.path().join("attics.toml"), FAMILY).expect("writable");
+    let family =
+        attic::FAMILY.replace("columns = 16", "columns = 32").replace("scan_interval = 0.8", "scan_interval = 0.4");
+    fs::write(folder.path().join("attics.toml"), family).expect("writable");
     fs::write(folder.path().join("sweep.toml"), SWEEP).expect("writable");
     folder
 }
 
 fn run(mut command: Command, code: i32) -> (String, String) {
-    let Output { status, stdout, stderr } = command.output().expect("runs");
-    let [out, err] = [stdout, stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
-    assert_eq!(status.code(), Some(code), "{command:?}\nstdout: {out}\nstderr: {err}");
-    (out, err)
+    let output = command.output().expect("runs");
+    checked(code, &command, &output)
 }
 
 fn finished(child: Child, code: i32) -> String {
