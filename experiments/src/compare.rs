@@ -7,7 +7,6 @@ pub mod claims;
 pub mod conditions;
 pub mod criteria;
 pub mod document;
-pub mod engine;
 pub mod journal;
 pub mod judgement;
 pub mod options;
@@ -38,7 +37,7 @@ use crate::cli::Format;
 use crate::failure::Failure;
 use crate::progress::Worlds as Progress;
 use crate::staging::Staging;
-use crate::{interruption, table, threads};
+use crate::{engine, interruption, table, threads};
 
 /// What a comparison has found.
 pub struct Findings {

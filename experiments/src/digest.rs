@@ -1,6 +1,7 @@
 //! Digests: names of what things are, whatever they are called and wherever they lie.
 
 use std::fs;
+use std::sync::OnceLock;
 
 use sha2::{Digest as _, Sha256};
 
@@ -41,9 +42,12 @@ impl Running {
 }
 
 /// What tells this program from another build of it: its version, and a digest of its executable.
-pub fn build() -> String {
-    let executable = std::env::current_exe().and_then(fs::read).unwrap_or_default();
-    format!("{}-{:016x}", env!("CARGO_PKG_VERSION"), number(&executable))
+pub fn build() -> &'static str {
+    static BUILD: OnceLock<String> = OnceLock::new();
+    BUILD.get_or_init(|| {
+        let executable = std::env::current_exe().and_then(fs::read).unwrap_or_default();
+        format!("{}-{:016x}", env!("CARGO_PKG_VERSION"), number(&executable))
+    })
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Why a command did not succeed, and its exit code.
 
+use std::any::Any;
 use std::io::Write as _;
 use std::path::Path;
 use std::process::ExitCode;
@@ -47,6 +48,11 @@ impl Failure {
             Self::Claim(_) => 3,
         })
     }
+}
+
+/// What a panic said, if it said anything.
+pub fn panic_text(panic: &(dyn Any + Send)) -> Option<&str> {
+    panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied())
 }
 
 impl From<scene::SceneError> for Failure {

@@ -25,7 +25,7 @@ use mapper::catalogue::{Entry, MAPPERS};
 
 pub use self::options::GateOptions;
 
-use self::file::{Demand, Gate, Gates};
+use self::file::{Gate, Gates};
 use self::measure::Values;
 use self::verdict::{Outcome, Verdict};
 use crate::cli::Format;
@@ -129,7 +129,7 @@ impl Asked {
     fn baseline(&self, options: &GateOptions) -> Result<Values, Failure> {
         let gates = &self.gates.gates;
         let path = options.baseline();
-        let baseline = if gates.iter().any(needs_baseline) { baseline::read(&path)? } else { None };
+        let baseline = if gates.iter().any(Gate::needs_baseline) { baseline::read(&path)? } else { None };
         baseline::complete(gates, baseline.as_ref(), &path)?;
         Ok(baseline.unwrap_or_default())
     }
@@ -143,7 +143,7 @@ impl Asked {
 /// Takes what is measured now as the baseline.
 fn update(options: &GateOptions, asked: Asked) -> Result<(), Failure> {
     let Asked { known, all, mut gates } = asked;
-    gates.gates.retain(needs_baseline);
+    gates.gates.retain(Gate::needs_baseline);
     if gates.gates.is_empty() {
         let message = format!("{}: none of the gates asked for has a baseline; leave out --update", gates.file);
         return Err(Failure::BadInput(message));
@@ -186,10 +186,6 @@ fn only(gates: &Gates, names: &[String]) -> Result<Vec<Gate>, Failure> {
     }
     let asked = |gate: &&Gate| names.is_empty() || names.contains(&gate.name);
     Ok(gates.gates.iter().filter(asked).cloned().collect())
-}
-
-fn needs_baseline(gate: &Gate) -> bool {
-    matches!(gate.demand, Demand::NotWorseThanBaselineBy(_))
 }
 
 /// One line on what was done.

@@ -1,6 +1,7 @@
 //! Mappers by the names that a user gives.
 
 use mapper::catalogue::{self, Entry};
+use scene::reader::nearest;
 
 use crate::failure::Failure;
 
@@ -17,11 +18,9 @@ pub fn entries(names: &[String]) -> Result<Vec<&'static Entry>, Failure> {
             return Err(Failure::BadInput(format!("--mappers: a name is empty; name one or more of: {all}")));
         }
         let Some(entry) = catalogue::find(name) else {
-            let likeness = |known: &str| strsim::normalized_damerau_levenshtein(known, name);
-            let nearest = known().max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
             return Err(Failure::BadInput(format!(
                 "--mappers: there is no mapper {name:?}; the nearest is '{}', all are: {}",
-                nearest.unwrap_or_default(),
+                nearest(name, known()),
                 known().collect::<Vec<_>>().join(", ")
             )));
         };

@@ -14,10 +14,7 @@ pub struct Progress {
 impl Progress {
     /// A bar over `scans` updates in all, of the mappers with the given names.
     pub fn new(scans: usize, mappers: &[&str]) -> Self {
-        let bar = ProgressBar::new(scans as u64);
-        let style = ProgressStyle::with_template("{bar:32} {pos}/{len} scans, {eta} left\n{wide_msg}");
-        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        bar.enable_steady_tick(Duration::from_millis(200));
+        let bar = bar(scans as u64, "{bar:32} {pos}/{len} scans, {eta} left\n{wide_msg}");
         Self { bar, losses: Mutex::new(mappers.iter().map(|name| ((*name).to_owned(), None)).collect()) }
     }
 
@@ -50,11 +47,7 @@ pub struct Worlds {
 impl Worlds {
     /// A bar over so many worlds.
     pub fn new(worlds: usize) -> Self {
-        let bar = ProgressBar::new(worlds as u64);
-        let style = ProgressStyle::with_template("{bar:32} {pos}/{len} worlds, {elapsed}, {eta} left");
-        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        bar.enable_steady_tick(Duration::from_millis(200));
-        Self { bar }
+        Self { bar: bar(worlds as u64, "{bar:32} {pos}/{len} worlds, {elapsed}, {eta} left") }
     }
 
     /// One more is finished.
@@ -66,4 +59,36 @@ impl Worlds {
     pub fn finish(&self) {
         self.bar.finish_and_clear();
     }
+}
+
+/// Progress over the jobs of a sweep, with their rate and what is left. Silent where stderr is not a terminal.
+pub struct Jobs {
+    bar: ProgressBar,
+}
+
+impl Jobs {
+    /// A bar over so many jobs.
+    pub fn new(jobs: u64) -> Self {
+        Self { bar: bar(jobs, "{bar:28} {pos}/{len} jobs, {per_sec:.1}, {eta} left{msg}") }
+    }
+
+    /// So many more are finished; of all so far, so many rows have an error.
+    pub fn step(&self, jobs: u64, failed: u64) {
+        self.bar.inc(jobs);
+        if failed > 0 {
+            self.bar.set_message(format!(", {failed} failed"));
+        }
+    }
+
+    /// Takes the bar away.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+fn bar(length: u64, template: &str) -> ProgressBar {
+    let bar = ProgressBar::new(length);
+    bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar.enable_steady_tick(Duration::from_millis(200));
+    bar
 }

@@ -17,6 +17,7 @@ pub use viewing_ray::{MOST_CELLS, ViewingRay, both};
 use std::io::{self, Write as _};
 use std::path::Path;
 
+use scene::reader::nearest;
 use serde_json::json;
 
 use crate::claims::{self, Claim};
@@ -63,10 +64,9 @@ pub fn run(options: &RayOptions) -> Result<(), Failure> {
 /// Reads a ray file; a name that is neither a file nor a case says what there is.
 fn load(path: &Path, name: &str) -> Result<ViewingRay, Failure> {
     if !path.exists() && path.extension().is_none() {
-        let nearest = NAMES.iter().max_by(|a, b| strsim::jaro(a, name).total_cmp(&strsim::jaro(b, name)));
         return Err(Failure::BadInput(format!(
             "{name}: is neither a case nor a file; the nearest case is '{}', all are: {}; or give a ray file, see ray --help",
-            nearest.unwrap_or(&NAMES[0]),
+            nearest(name, NAMES),
             NAMES.join(", ")
         )));
     }
@@ -131,10 +131,7 @@ impl Outputs<'_> {
             "versions": versions(),
             "files": files,
         });
-        staging.write(RECORD, |out| -> io::Result<()> {
-            serde_json::to_writer_pretty(&mut *out, &record)?;
-            writeln!(out)
-        })?;
+        staging.record(&record)?;
         staging.publish()
     }
 }

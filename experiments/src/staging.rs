@@ -5,6 +5,8 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
+use serde::Serialize;
+
 use crate::failure::Failure;
 
 /// Folders to remove when the program is interrupted.
@@ -74,6 +76,17 @@ impl Staging {
         written.map_err(|e| Failure::write(&self.folder.join(name), &e))
     }
 
+    /// Writes the record of the run.
+    ///
+    /// # Errors
+    /// As [`write`](Self::write).
+    pub fn record(&mut self, record: &impl Serialize) -> Result<(), Failure> {
+        self.write(RECORD, |out| -> io::Result<()> {
+            serde_json::to_writer_pretty(&mut *out, record)?;
+            writeln!(out)
+        })
+    }
+
     /// Where to write the file of the given name; it is published with the others.
     pub fn path(&mut self, name: &str) -> PathBuf {
         if !self.files.iter().any(|f| f == name) {
@@ -127,16 +140,25 @@ impl Drop for Staging {
     }
 }
 
-/// Writes a single file whole or not at all.
+/// Writes a single file through `fill`, whole or not at all.
+///
+/// # Errors
+/// Whatever the system reports; what had the name before has it still.
+pub fn whole(path: &Path, fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> io::Result<()> {
+    let partial = Temporary::beside(path);
+    let mut out = BufWriter::new(File::create(partial.path())?);
+    fill(&mut out)?;
+    out.flush()?;
+    out.get_ref().sync_all()?;
+    partial.publish(path)
+}
+
+/// Writes a single file that the user named, whole or not at all.
 ///
 /// # Errors
 /// A place that cannot be written.
 pub fn replace(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    let mut partial = path.as_os_str().to_owned();
-    partial.push(format!(".partial-{}", std::process::id()));
-    let partial = PathBuf::from(partial);
-    fs::write(&partial, bytes).and_then(|()| fs::rename(&partial, path)).map_err(|e| {
-        let _ = fs::remove_file(&partial);
+    whole(path, |out| out.write_all(bytes)).map_err(|e| {
         Failure::BadInput(format!("{}: cannot be written: {e}; choose another file with --out", path.display()))
     })
 }

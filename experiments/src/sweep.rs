@@ -1,6 +1,5 @@
 //! `sweep`: many settings over many worlds, in shards that can run anywhere, and one table of all of them.
 
-pub mod digest;
 pub mod engine;
 pub mod estimate;
 pub mod file;
@@ -84,11 +83,6 @@ fn run_shards(options: &RunOptions) -> Result<(), Failure> {
         return Err(Failure::BadInput(format!("--shard {shard}: must be 0 to {last}, as the manifest has them")));
     }
     let named = Some(&options.shard).filter(|shards| !shards.is_empty());
-    if let (Some(shards), Err(failure)) = (named, manifest.confirm()) {
-        // Whoever runs single shards on other machines looks here for what went wrong.
-        shards.iter().for_each(|shard| shard::note_failure(&manifest, *shard, &failure.to_string()));
-        return Err(failure);
-    }
     work(&manifest, named, options.threads)
 }
 
@@ -99,7 +93,11 @@ fn work(manifest: &Manifest, named: Option<&Vec<u32>>, threads: Option<u32>) -> 
     interruption::keeps(move || {
         Some(format!("what is finished is kept in {place}; run the same command again to go on"))
     });
-    manifest.confirm()?;
+    if let Err(failure) = manifest.confirm() {
+        // Whoever runs single shards on other machines looks here for what went wrong.
+        named.into_iter().flatten().for_each(|shard| shard::note_failure(manifest, *shard, &failure.to_string()));
+        return Err(failure);
+    }
     threads::limit(threads)?;
     shard::remove_leftovers(&manifest.folder);
     let not_done = |shard: &u32| !matches!(shard::state(manifest, *shard), State::Done { .. });
@@ -169,8 +167,11 @@ fn missing(manifest: &Manifest) -> Result<(), Failure> {
 
 fn merge(options: &MergeOptions) -> Result<(), Failure> {
     let manifest = Manifest::open(&options.folder)?;
-    let out = options.out.clone().unwrap_or_else(|| options.folder.join(TABLE));
-    let rows = merge::merge(&manifest, &out)?;
+    merge_into(&manifest, &options.out.clone().unwrap_or_else(|| options.folder.join(TABLE)))
+}
+
+fn merge_into(manifest: &Manifest, out: &Path) -> Result<(), Failure> {
+    let rows = merge::merge(manifest, out)?;
     say(&format!("{}: {rows} rows", out.display()));
     Ok(())
 }
@@ -193,12 +194,16 @@ fn all(file: &Path, options: &SweepOptions) -> Result<(), Failure> {
         ));
     }
     work(&manifest, None, options.threads)?;
-    let table = folder.join(TABLE);
-    let rows = merge::merge(&manifest, &table)?;
-    say(&format!("{}: {rows} rows", table.display()));
-    let pictures = plots::draw(&folder)?;
-    pictures.iter().for_each(|picture| say(&folder.join(picture).display().to_string()));
+    let pictures = conclude(&manifest)?;
     record(&sweep, &manifest, pictures)
+}
+
+/// Merges a sweep all of whose shards are done, draws the table, and gives the names of the pictures.
+fn conclude(manifest: &Manifest) -> Result<Vec<String>, Failure> {
+    merge_into(manifest, &manifest.folder.join(TABLE))?;
+    let pictures = plots::draw(&manifest.folder)?;
+    pictures.iter().for_each(|picture| say(&manifest.folder.join(picture).display().to_string()));
+    Ok(pictures)
 }
 
 /// Leaves `run.json`, with nothing in it that changes from build to build.

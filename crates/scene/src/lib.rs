@@ -32,7 +32,7 @@ pub use drive::{Drive, TimedPose, drive};
 /// Strict reading of TOML files, for files of other kinds than scenes.
 pub mod reader {
     pub use crate::file::camera::stereo;
-    pub use crate::file::table::{Limit, Source, Table, Value, number};
+    pub use crate::file::table::{Limit, Source, Table, Value, nearest, number};
     pub use crate::file::{open, read};
 }
 

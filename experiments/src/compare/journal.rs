@@ -1,11 +1,12 @@
 //! Finished worlds, kept so that a comparison that was interrupted goes on where it was.
 
 use std::fs;
-use std::hash::{DefaultHasher, Hash, Hasher as _};
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use super::world::{Job, World};
 use crate::failure::Failure;
+use crate::{digest, staging};
 
 /// Beginning of the names of folders of finished worlds.
 const PREFIX: &str = ".finished-";
@@ -25,14 +26,15 @@ pub struct Journal {
 impl Journal {
     /// The journal of a configuration in the output folder.
     pub fn open(out: &Path, configuration: &str) -> Self {
-        Self { folder: out.join(format!("{PREFIX}{:016x}", configuration_digest(configuration))) }
+        let digest = digest::number(format!("{configuration}\n{}", digest::build()).as_bytes());
+        Self { folder: out.join(format!("{PREFIX}{digest:016x}")) }
     }
 
     /// The world of a job, if it was finished before. A file that was cut short or changed does not count.
     pub fn read(&self, job: &Job) -> Option<World> {
         let text = fs::read_to_string(self.file(job)).ok()?;
         let (sum, world) = text.split_once('\n')?;
-        let whole = sum == format!("{:016x}", digest(&world));
+        let whole = sum == format!("{:016x}", digest::number(world.as_bytes()));
         serde_json::from_str(world).ok().filter(|world: &World| whole && world.job == *job)
     }
 
@@ -42,14 +44,11 @@ impl Journal {
     /// Whatever the system reports, a full disk for example.
     pub fn keep(&self, world: &World) -> Result<(), Failure> {
         let path = self.file(&world.job);
-        let partial = path.with_extension("partial");
         let text = serde_json::to_string(world).map_err(Failure::internal)?;
-        let text = format!("{:016x}\n{text}", digest(&text.as_str()));
-        let written = fs::create_dir_all(&self.folder)
-            .and_then(|()| fs::write(&partial, text))
-            .and_then(|()| fs::rename(&partial, &path));
+        let text = format!("{:016x}\n{text}", digest::number(text.as_bytes()));
+        let written =
+            fs::create_dir_all(&self.folder).and_then(|()| staging::whole(&path, |out| out.write_all(text.as_bytes())));
         written.map_err(|e| {
-            let _ = fs::remove_file(&partial);
             let _ = fs::remove_dir(&self.folder); // refused by the system unless it is empty
             Failure::write(&path, &e)
         })
@@ -67,17 +66,6 @@ impl Journal {
     fn file(&self, job: &Job) -> PathBuf {
         self.folder.join(format!("{}-{}-{}.json", job.family, job.condition, job.seed))
     }
-}
-
-/// Of the configuration and of the running program.
-fn configuration_digest(configuration: &str) -> u64 {
-    digest(&(configuration, std::env::current_exe().and_then(fs::read).unwrap_or_default()))
-}
-
-fn digest(value: &impl Hash) -> u64 {
-    let mut hasher = DefaultHasher::new();
-    value.hash(&mut hasher);
-    hasher.finish()
 }
 
 #[cfg(test)]

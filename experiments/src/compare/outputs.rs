@@ -121,8 +121,5 @@ pub fn write(
     let json = serde_json::to_value(&record).map_err(Failure::internal)?;
     let html = report::page(&document::page(plan, rows, &json, &pictures, viewer)?)?;
     staging.write("report.html", |out| out.write_all(html.as_bytes()))?;
-    staging.write(RECORD, |out| -> io::Result<()> {
-        serde_json::to_writer_pretty(&mut *out, &record)?;
-        writeln!(out)
-    })
+    staging.record(&record)
 }

@@ -1,8 +1,8 @@
 //! A world of every family to look into: its maps as they grew.
 
-use super::engine;
 use super::plan::Plan;
 use super::world::{Job, World};
+use crate::engine;
 use crate::failure::Failure;
 use crate::record::Stage;
 use crate::report::{self, Viewer};

@@ -1,16 +1,17 @@
 //! The baselines: the values that maps had when they were last looked at and found good.
 
-use std::fs::{self, File};
+use std::fs;
 use std::io::{self, Write as _};
 use std::path::Path;
 
 use serde_json::json;
 
-use super::file::{Demand, Gate};
+use super::file::Gate;
 use super::measure::{Key, Values};
 use super::world::{MICROMETRES, World};
 use crate::compare::conditions::condition;
 use crate::failure::Failure;
+use crate::staging;
 use crate::table::{Table, optional};
 
 const COLUMNS: [&str; 8] = ["mapper", "metric", "region", "family", "condition", "grid", "seed", "value"];
@@ -102,15 +103,7 @@ pub fn text(values: &Values) -> Result<Vec<u8>, Failure> {
 /// Whatever the system reports; the former file is then as it was.
 pub fn write(path: &Path, values: &Values) -> Result<(), Failure> {
     let bytes = text(values)?;
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let partial = path.with_file_name(format!(".partial-{name}-{}", std::process::id()));
-    let written = File::create(&partial)
-        .and_then(|mut file| file.write_all(&bytes).and_then(|()| file.sync_all()))
-        .and_then(|()| fs::rename(&partial, path));
-    written.map_err(|error| {
-        let _ = fs::remove_file(&partial);
-        Failure::write(path, &error)
-    })
+    staging::whole(path, |out| out.write_all(&bytes)).map_err(|error| Failure::write(path, &error))
 }
 
 /// Whether every gate has all its baselines.
@@ -119,8 +112,7 @@ pub fn write(path: &Path, values: &Values) -> Result<(), Failure> {
 /// The first that is missing, and how many are.
 pub fn complete(gates: &[Gate], baseline: Option<&Values>, path: &Path) -> Result<(), Failure> {
     let place = path.display();
-    let needs = |gate: &&Gate| matches!(gate.demand, Demand::NotWorseThanBaselineBy(_));
-    for gate in gates.iter().filter(needs) {
+    for gate in gates.iter().filter(|gate| gate.needs_baseline()) {
         let name = &gate.name;
         let Some(baseline) = baseline else {
             let message =

@@ -8,10 +8,11 @@ use scene::reader::{Limit, Table, Value, open, read};
 use scene::{SceneError, Set};
 use score::{FEWEST_PAIRS, Region};
 
-use super::world::{MICROMETRES, Site, World, path_of};
+use super::world::{MICROMETRES, Site, World};
 use crate::compare::conditions::{AS_BELIEVED, Condition, DEPARTURES};
 use crate::compare::criteria::{CRITERIA, Criterion, criterion};
 use crate::compare::options::FAMILIES;
+use crate::scenes::path_of;
 
 /// What must hold of a mapper's maps.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,6 +47,13 @@ pub enum Demand {
         /// The least difference, 0 or more.
         by: f64,
     },
+}
+
+impl Gate {
+    /// Whether it compares with values of former maps.
+    pub fn needs_baseline(&self) -> bool {
+        matches!(self.demand, Demand::NotWorseThanBaselineBy(_))
+    }
 }
 
 /// All gates of a file, and where their worlds come from.
@@ -158,7 +166,7 @@ fn gate(table: &Table, known: &[Entry], sites: &mut BTreeMap<String, Site>) -> R
 
 /// The worlds of a gate, and the regions that all of them have.
 fn worlds(table: &Table, sites: &mut BTreeMap<String, Site>) -> Result<(Vec<World>, Vec<String>), SceneError> {
-    let count = whole(table, "seeds", &MOST_SEEDS)?.unwrap_or(SEEDS);
+    let count = table.optional_whole("seeds", &MOST_SEEDS)?.unwrap_or(SEEDS);
     let cell_um = table.optional_number("grid", &GRID)?.map(|cell_m| (cell_m * MICROMETRES).round() as u32);
     let sets = ["test", "robustness", "tuning"];
     let set = one_of(table, "set", &sets, Some("test"))?;
@@ -172,7 +180,8 @@ fn worlds(table: &Table, sites: &mut BTreeMap<String, Site>) -> Result<(Vec<Worl
         if let Some(key) = ["families", "set"].into_iter().find(|key| table.get(key).is_some()) {
             return Err(refuse(table, key, "left out beside `scene`", "a scene has neither layouts nor sets"));
         }
-        names.push(site(table, "scene", one_text(table, "scene")?, sites, Site::scene)?);
+        let (text, value) = one_text(table, "scene")?;
+        names.push(site(table, "scene", (text, Some(value)), sites, Site::scene)?);
     } else {
         for (family, value) in families(table)? {
             let name = site(table, "families", (&family, value), sites, Site::family)?;
@@ -278,10 +287,10 @@ fn demand(table: &Table, mappers: &[&str], mapper: &str, criterion: &Criterion) 
     })
 }
 
-fn one_text<'a>(table: &Table<'a>, key: &str) -> Result<(&'a str, Option<&'a Value<'a>>), SceneError> {
+fn one_text<'a>(table: &Table<'a>, key: &str) -> Result<(&'a str, &'a Value<'a>), SceneError> {
     let Some(value) = table.get(key) else { return Err(table.missing(key, &format!("`{key} = \"...\"`"))) };
     let refused = || table.refuse(key, value, "a text", "write it in quotes");
-    value.get_ref().as_str().map(|text| (text, Some(value))).ok_or_else(refused)
+    value.get_ref().as_str().map(|text| (text, value)).ok_or_else(refused)
 }
 
 /// A text that is one of the known ones; the default if there is one and the key is not there.
@@ -289,20 +298,8 @@ fn one_of<'t>(table: &Table, key: &str, known: &[&'t str], default: Option<&'t s
     if let (None, Some(default)) = (table.get(key), default) {
         return Ok(default);
     }
-    let (text, _) = one_text(table, key)?;
-    known.iter().copied().find(|known| *known == text).ok_or_else(|| {
-        let likeness = |known: &&&str| strsim::normalized_damerau_levenshtein(known, text);
-        let nearest = known.iter().max_by(|a, b| likeness(a).total_cmp(&likeness(b))).copied().unwrap_or_default();
-        refuse(table, key, &format!("one of {}", known.join(", ")), &format!("the nearest is \"{nearest}\""))
-    })
-}
-
-fn whole(table: &Table, key: &str, limit: &Limit) -> Result<Option<u64>, SceneError> {
-    let Some(number) = table.optional_number(key, limit)? else { return Ok(None) };
-    if number.fract().abs() > 0.0 {
-        return Err(refuse(table, key, limit.bound, limit.remedy));
-    }
-    Ok(Some(number as u64))
+    let (_, value) = one_text(table, key)?;
+    table.word(key, value, known)
 }
 
 /// A refusal of a key's value; of a key that is not there, it is missing.

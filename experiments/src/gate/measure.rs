@@ -7,8 +7,8 @@ use mapper::catalogue::{Entry, Setup};
 
 use super::file::{Demand, Gate, Gates};
 use super::world::World;
-use crate::compare::engine;
-use crate::failure::Failure;
+use crate::engine;
+use crate::failure::{Failure, panic_text};
 use crate::progress::Worlds as Progress;
 use crate::table::rounded;
 use crate::trial::{Ground, Keep};
@@ -124,11 +124,7 @@ fn values(
     let trial = match catch_unwind(AssertUnwindSafe(run)) {
         Ok(result) => result.map_err(|failure| failure.to_string())?,
         Err(panic) => {
-            let text = panic.downcast_ref::<String>().map(String::as_str);
-            return Err(format!(
-                "it panicked: {}",
-                text.or(panic.downcast_ref::<&str>().copied()).unwrap_or("no message")
-            ));
+            return Err(format!("it panicked: {}", panic_text(&*panic).unwrap_or("no message")));
         }
     };
     let last = trial.runs.first().map_or(0, |run| run.stages.len().saturating_sub(1));

@@ -1,7 +1,7 @@
 //! Where maps are made to judge them: families of scenes and single scenes.
 
 use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use mapper::catalogue::Setup;
@@ -57,12 +57,6 @@ impl fmt::Display for World {
         write!(f, "{} {} seed {}", self.family, self.condition, self.seed)?;
         self.cell_m().map_or(Ok(()), |cell_m| write!(f, ", cells of {cell_m} m"))
     }
-}
-
-/// The file of a family or scene by what a user calls it: a bare name is `scenes/NAME.toml`.
-pub fn path_of(name: &str) -> PathBuf {
-    let bare = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_');
-    if bare { Path::new("scenes").join(format!("{name}.toml")) } else { PathBuf::from(name) }
 }
 
 impl Site {
@@ -130,12 +124,5 @@ mod tests {
         }
         let world = World { family: "f".to_owned(), condition: AS_BELIEVED.name, cell_um: Some(200_000), seed: 3 };
         assert_eq!(world.to_string(), "f as-believed seed 3, cells of 0.2 m");
-    }
-
-    #[test]
-    fn a_bare_name_is_one_of_the_scenes() {
-        assert_eq!(path_of("two-rooms"), Path::new("scenes/two-rooms.toml"));
-        assert_eq!(path_of("my/halls.toml"), Path::new("my/halls.toml"));
-        assert_eq!(path_of("halls.toml"), Path::new("halls.toml"));
     }
 }

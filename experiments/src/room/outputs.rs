@@ -77,10 +77,7 @@ pub(super) fn write(
     let viewer = Viewer { worlds: vec![World::new(ground, first, stages, frames)] };
     let html = report::page(&page::page(ground, stages, &json, &rows, pictures, viewer)?)?;
     staging.write("report.html", |out| out.write_all(html.as_bytes()))?;
-    staging.write(RECORD, |out| -> io::Result<()> {
-        serde_json::to_writer_pretty(&mut *out, record)?;
-        writeln!(out)
-    })
+    staging.record(record)
 }
 
 /// Mean and spread over the seeds of every metric.

@@ -73,9 +73,6 @@ impl View {
             "versions": versions(),
             "files": files,
         });
-        staging.write(RECORD, |out| -> io::Result<()> {
-            serde_json::to_writer_pretty(&mut *out, &record)?;
-            writeln!(out)
-        })
+        staging.record(&record)
     }
 }

@@ -2,20 +2,18 @@
 //! rows, so that it can run anywhere and in any order.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::Path;
 use std::sync::Arc;
 
 use mapper::catalogue::{Entry, Setup, find};
 use mapper::{CorrelationLaw, Prior, Reconciliation, estimate};
-use scene::{Family, Scene, Variation};
 use sensor::{Mismatches, Stereo};
 use serde::{Deserialize, Serialize};
 
-use super::digest;
 use super::parameters::{Settings, number_of, parameter, word_of};
 use super::row::{Row, rows};
-use super::site::Site;
-use crate::failure::Failure;
+use super::site::{Site, Source};
+use crate::digest;
+use crate::failure::{Failure, panic_text};
 use crate::trial::{Ground, Keep};
 
 /// A job.
@@ -74,28 +72,22 @@ impl Job {
     /// A file that cannot be read, or that says something else than when the job was planned: that is no result, and
     /// another time it may be one.
     pub fn run(&self) -> Result<Vec<Row>, Failure> {
-        let rows = self.rows(&self.mappers).unwrap_or_else(|error| match self.mappers.as_slice() {
+        let source = Site { file: self.file.clone(), digest: self.digest.clone(), family: self.family }.source()?;
+        let rows = |mappers: &[String]| caught(|| self.map(&source, mappers));
+        Ok(rows(&self.mappers).unwrap_or_else(|error| match self.mappers.as_slice() {
             [] => Vec::new(),
             [one] => vec![Row::failed(one, &error)],
             // One mapper's failure is not that of the others: they have their rows if they are run alone.
             all => {
-                let alone = |name: &String| {
-                    self.rows(std::slice::from_ref(name)).unwrap_or_else(|e| vec![Row::failed(name, &e)])
-                };
+                let alone =
+                    |name: &String| rows(std::slice::from_ref(name)).unwrap_or_else(|e| vec![Row::failed(name, &e)]);
                 all.iter().flat_map(alone).collect()
             }
-        });
-        // After it was read for the last time: what was read is what was planned.
-        Site { file: self.file.clone(), digest: self.digest.clone(), family: self.family }.confirm()?;
-        Ok(rows)
+        }))
     }
 
-    fn rows(&self, mappers: &[String]) -> Result<Vec<Row>, String> {
-        caught(|| self.map(mappers))
-    }
-
-    fn map(&self, names: &[String]) -> Result<Vec<Row>, Failure> {
-        let (mut ground, setup) = self.ground()?;
+    fn map(&self, source: &Source, names: &[String]) -> Result<Vec<Row>, Failure> {
+        let (mut ground, setup) = self.ground(source)?;
         self.thin(&mut ground);
         let unknown = |name: &str| Failure::BadInput(format!("there is no mapper {name:?}"));
         let mappers: Vec<&Entry> =
@@ -105,17 +97,9 @@ impl Job {
     }
 
     /// The world, and what the mappers believe of it: the camera that is simulated, unless a setting says otherwise.
-    fn ground(&self) -> Result<(Ground, Setup), Failure> {
-        let path = Path::new(&self.file);
+    fn ground(&self, source: &Source) -> Result<(Ground, Setup), Failure> {
         let (number, word) = (|key| number_of(&self.settings, key), |key| word_of(&self.settings, key));
-        let cell_m = number("grid");
-        let mut scene = if self.family {
-            let variation =
-                number("size_factor").map_or_else(Variation::default, |size_factor| Variation { size_factor });
-            Family::load(path)?.scene(self.seed, cell_m, &variation)?
-        } else {
-            Scene::load(path, cell_m)?
-        };
+        let mut scene = source.scene(self.seed, number("grid"), number("size_factor"))?;
         if let Some(correct_match) = number("correct_match") {
             scene.matcher.stereo.correct_match = correct_match;
         }
@@ -181,10 +165,8 @@ impl Job {
 /// What fails, or panics, in words.
 fn caught(run: impl FnOnce() -> Result<Vec<Row>, Failure>) -> Result<Vec<Row>, String> {
     let run = || run().map_err(|failure| failure.to_string());
-    catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|panic| {
-        let said = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
-        Err(format!("panic: {}", said.unwrap_or("without a message")))
-    })
+    catch_unwind(AssertUnwindSafe(run))
+        .unwrap_or_else(|panic| Err(format!("panic: {}", panic_text(&*panic).unwrap_or("without a message"))))
 }
 
 /// Correlations are given for cells this far apart, m.

@@ -1,27 +1,23 @@
 //! The manifest of a sweep: every job, in order, with its shard. It is written once and never changed.
 
-use std::fs::{self, File};
-use std::io::{self, BufRead as _, BufReader, BufWriter, Seek as _, SeekFrom, Write as _};
+mod plan;
+
+use std::fs::File;
+use std::io::{BufRead as _, BufReader, Seek as _, SeekFrom};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::digest::{Running, build, number};
-use super::file::Sweep;
+pub use self::plan::{Replace, plan};
+
 use super::job::Job;
 use super::site::Site;
+use crate::digest::{Running, build, number};
 use crate::failure::Failure;
-use crate::staging;
 
 /// Name of the file in the folder of a sweep.
 pub const MANIFEST: &str = "manifest.jsonl";
-
-/// A shard has about so many jobs where nobody says how many shards there are to be ...
-const JOBS_PER_SHARD: u64 = 500;
-
-/// ... and there are at least so many shards, so that many workers have something to do.
-const FEWEST_SHARDS: u64 = 64;
 
 /// The first line of the file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -40,16 +36,7 @@ pub struct Head {
     /// The program that planned it; the same must run it.
     pub build: String,
     /// The files that the worlds come from.
-    pub sites: Vec<HeadSite>,
-}
-
-/// A file in the head, see [`Site`].
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct HeadSite {
-    file: String,
-    digest: String,
-    family: bool,
+    pub sites: Vec<Site>,
 }
 
 /// Every other line: a job.
@@ -76,105 +63,6 @@ pub struct Manifest {
     parts: Vec<u64>,
 }
 
-/// When a manifest takes the place of another.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Replace {
-    /// Never.
-    Never,
-    /// If it is of the same sweep, planned by another build.
-    OtherBuild,
-    /// Whatever it is.
-    Always,
-}
-
-/// Where a job of the product is, for sorting: 16 bytes for each of millions.
-struct Place {
-    id: u64,
-    number: u64,
-}
-
-/// The manifest of a sweep in a folder; what is there already is kept if it is the same.
-///
-/// # Errors
-/// A file of the sweep that cannot be read; another manifest in the folder, unless `replace`; I/O.
-pub fn plan(sweep: &Sweep, folder: &Path, shards: Option<u32>, replace: Replace) -> Result<Manifest, Failure> {
-    let families = sweep.of_families;
-    let sites: Vec<Site> = sweep.sites.iter().map(|path| Site::load(path, families)).collect::<Result<_, _>>()?;
-    let settings_count = sweep.settings_count().unwrap_or(0);
-    let jobs = sweep.jobs().unwrap_or(0);
-    let job = |number: u64| {
-        let (settings, rest) = (number % settings_count, number / settings_count);
-        let site = &sites[(rest / sweep.seeds) as usize];
-        Job {
-            file: site.file.clone(),
-            digest: site.digest.clone(),
-            family: site.family,
-            seed: sweep.first_seed + rest % sweep.seeds,
-            settings: sweep.settings(settings),
-            mappers: sweep.mappers.clone(),
-            regions: sweep.regions.clone(),
-        }
-    };
-    let mut places: Vec<Place> = (0..jobs).map(|number| Place { id: job(number).id(), number }).collect();
-    places.sort_unstable_by_key(|place| place.id);
-    if let Some(pair) = places.windows(2).find(|pair| pair[0].id == pair[1].id) {
-        let same = job(pair[0].number).json() == job(pair[1].number).json();
-        let why =
-            if same { "two jobs are the same" } else { "two jobs have one id by chance; change any value a little" };
-        return Err(Failure::BadInput(format!("the sweep: {why}: {}", job(pair[0].number).json())));
-    }
-    let usual = jobs.div_ceil(JOBS_PER_SHARD).max(FEWEST_SHARDS);
-    let shards = shards.map_or(usual, u64::from).clamp(1, jobs.max(1)) as u32;
-    let mut head = Head {
-        schema_version: 1,
-        sweep: String::new(),
-        jobs,
-        shards,
-        keys: sweep.keys().into_iter().map(str::to_owned).collect(),
-        build: build(),
-        sites: sites.iter().map(HeadSite::of).collect(),
-    };
-
-    head.sweep = head.sweep_digest(places.iter().map(|place| format!("{:016x}", place.id)));
-
-    fs::create_dir_all(folder).map_err(|e| Failure::write(folder, &e))?;
-    let path = folder.join(MANIFEST);
-    let partial = staging::Temporary::beside(&path);
-    let write = || -> io::Result<String> {
-        let mut digest = Running::default();
-        let mut out = BufWriter::new(File::create(partial.path())?);
-        let mut put = |line: String| {
-            digest.add(line.as_bytes());
-            out.write_all(line.as_bytes())
-        };
-        put(serde_json::to_string(&head)? + "\n")?;
-        for (at, place) in places.iter().enumerate() {
-            let shard = shard_of(at as u64, jobs, shards);
-            let line = Line { id: format!("{:016x}", place.id), shard, job: job(place.number) };
-            put(serde_json::to_string(&line)? + "\n")?;
-        }
-        out.flush()?;
-        out.get_ref().sync_all()?;
-        Ok(digest.hex())
-    };
-    let digest = write().map_err(|e| Failure::write(&path, &e))?;
-    let stays = path.exists()
-        && match (Manifest::open(folder), replace) {
-            (_, Replace::Always) => false,
-            (Ok(former), Replace::OtherBuild) => former.head.sweep != head.sweep,
-            (Ok(former), Replace::Never) => former.digest != digest,
-            (Err(_), _) => true,
-        };
-    if stays {
-        return Err(Failure::BadInput(format!(
-            "{}: is the manifest of another sweep, or was planned by another build; choose another folder with --out, or give --replace",
-            path.display()
-        )));
-    }
-    partial.publish(&path).map_err(|e| Failure::write(&path, &e))?;
-    Manifest::open(folder)
-}
-
 /// The shard of the job at a place in the order: runs of it that differ by one job at most.
 fn shard_of(at: u64, jobs: u64, shards: u32) -> u32 {
     (u128::from(at) * u128::from(shards) / u128::from(jobs)) as u32
@@ -187,12 +75,6 @@ impl Head {
         digest.add(format!("{} {} {:?} {:?}", self.jobs, self.shards, self.keys, self.sites).as_bytes());
         ids.for_each(|id| digest.add(id.as_ref()));
         digest.hex()
-    }
-}
-
-impl HeadSite {
-    fn of(site: &Site) -> Self {
-        Self { file: site.file.clone(), digest: site.digest.clone(), family: site.family }
     }
 }
 
@@ -266,8 +148,7 @@ impl Manifest {
                 build()
             )));
         }
-        let site = |site: &HeadSite| Site { file: site.file.clone(), digest: site.digest.clone(), family: site.family };
-        self.head.sites.iter().try_for_each(|each| site(each).confirm())
+        self.head.sites.iter().try_for_each(|site| site.source().map(drop))
     }
 
     /// Number of jobs of a shard.
@@ -314,85 +195,4 @@ impl Manifest {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::file::parse;
-    use super::*;
-
-    /// A manifest of so many jobs, which no test runs.
-    fn planned(folder: &Path, first_seed: u64, jobs: u64, shards: u32) -> Manifest {
-        let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/room.toml");
-        let text = format!(
-            "scene = {:?}\nmappers = [\"prior\"]\nseeds = {{ first = {first_seed}, count = {jobs} }}",
-            scene.display().to_string()
-        );
-        plan(&parse(&text, "s.toml").expect("valid"), folder, Some(shards), Replace::Always).expect("planned")
-    }
-
-    fn ids(manifest: &Manifest, shard: u32) -> Result<Vec<u64>, Failure> {
-        let mut ids = Vec::new();
-        manifest.each_job(shard, |id, _| {
-            ids.push(id);
-            Ok(ControlFlow::Continue(()))
-        })?;
-        Ok(ids)
-    }
-
-    #[test]
-    fn shards_are_runs_of_all_jobs_whatever_their_numbers() {
-        for jobs in (1..=70).chain([997, 1000, 4096]) {
-            for shards in (1..=jobs.min(70) as u32).chain([jobs as u32]) {
-                let mut counts = vec![0u64; shards as usize];
-                let of: Vec<u32> = (0..jobs).map(|at| shard_of(at, jobs, shards)).collect();
-                assert!(of.is_sorted());
-                of.iter().for_each(|shard| counts[*shard as usize] += 1);
-                let manifest = Manifest {
-                    folder: PathBuf::new(),
-                    head: Head {
-                        schema_version: 1,
-                        sweep: String::new(),
-                        jobs,
-                        shards,
-                        keys: Vec::new(),
-                        build: String::new(),
-                        sites: Vec::new(),
-                    },
-                    digest: String::new(),
-                    starts: Vec::new(),
-                    parts: Vec::new(),
-                };
-                let said: Vec<u64> = (0..shards).map(|shard| manifest.jobs_of(shard)).collect();
-                assert_eq!(said, counts, "{jobs} jobs, {shards} shards");
-                assert!(counts.iter().max() <= counts.iter().min().map(|least| least + 1).as_ref());
-            }
-        }
-    }
-
-    #[test]
-    fn the_jobs_of_all_shards_are_all_jobs_in_order() {
-        let folder = tempfile::tempdir().expect("temporary folder");
-        let all = ids(&planned(folder.path(), 1, 97, 1), 0).expect("read");
-        assert!(all.len() == 97 && all.is_sorted());
-        for shards in [2, 7, 64, 96, 97, 1000] {
-            let manifest = planned(folder.path(), 1, 97, shards);
-            let joined: Vec<u64> =
-                (0..manifest.head.shards).flat_map(|shard| ids(&manifest, shard).expect("read")).collect();
-            assert_eq!(joined, all, "{shards}");
-        }
-    }
-
-    #[test]
-    fn a_file_that_is_replaced_or_cut_short_later_is_not_taken_for_the_one_that_was_opened() {
-        let folder = tempfile::tempdir().expect("temporary folder");
-        let first = planned(folder.path(), 1000, 40, 4);
-        let cut = fs::read(folder.path().join(MANIFEST)).expect("there");
-        planned(folder.path(), 2000, 40, 4); // as long, line by line
-        for shard in 0..4 {
-            let failure = ids(&first, shard).expect_err("other jobs").to_string();
-            assert!(failure.contains("cut short or replaced"), "{failure}");
-        }
-        let end = cut[..cut.len() - 1].iter().rposition(|byte| *byte == b'\n').expect("lines") + 1;
-        fs::write(folder.path().join(MANIFEST), &cut[..end]).expect("writable");
-        assert_eq!(ids(&first, 0).expect("whole").len(), 10);
-        assert!(ids(&first, 3).expect_err("a job less").to_string().contains("cut short or replaced"));
-    }
-}
+mod tests;

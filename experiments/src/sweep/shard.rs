@@ -9,10 +9,10 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::digest::{Running, hex, sha256};
 use super::manifest::Manifest;
+use crate::digest::{Running, hex, sha256};
 use crate::failure::Failure;
-use crate::staging::Temporary;
+use crate::staging;
 
 /// The last line, after `# `.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -57,18 +57,15 @@ pub fn write(manifest: &Manifest, shard: u32, rows: &[u8]) -> Result<(), Failure
         rows: rows.iter().filter(|byte| **byte == b'\n').count() as u64,
         sha256: hex(&sha256(rows)),
     };
-    let written = || -> io::Result<()> {
-        if let Some(folder) = target.parent() {
-            fs::create_dir_all(folder)?;
-        }
-        let partial = Temporary::beside(&target);
-        let mut file = File::create(partial.path())?;
-        file.write_all(rows)?;
-        writeln!(file, "# {}", serde_json::to_string(&trailer)?)?;
-        file.sync_all()?;
-        partial.publish(&target)
-    };
-    written().map_err(|e| Failure::write(&target, &e))
+    let trailer = serde_json::to_string(&trailer).map_err(Failure::internal)?;
+    let folder = target.parent().map_or(Ok(()), fs::create_dir_all);
+    let written = folder.and_then(|()| {
+        staging::whole(&target, |out| {
+            out.write_all(rows)?;
+            writeln!(out, "# {trailer}")
+        })
+    });
+    written.map_err(|e| Failure::write(&target, &e))
 }
 
 /// Copies the rows of a shard to `out` and says what the file is. Where it is not whole, what was copied is worth nothing.
@@ -145,7 +142,7 @@ pub fn failures(folder: &Path) -> PathBuf {
 /// Leaves a note of a try that failed, as far as the system lets it.
 pub fn note_failure(manifest: &Manifest, shard: u32, cause: &str) {
     let note = Try { shard, cause, build: &manifest.head.build };
-    let path = failures(&manifest.folder).join(format!("{shard:06}-{}.json", crate::staging::unique()));
+    let path = failures(&manifest.folder).join(format!("{shard:06}-{}.json", staging::unique()));
     let _ = fs::create_dir_all(failures(&manifest.folder));
     let _ = fs::write(path, serde_json::to_vec(&note).unwrap_or_default());
 }
@@ -157,7 +154,7 @@ pub fn remove_leftovers(folder: &Path) {
         let name = entry.file_name().to_string_lossy().into_owned();
         let parts: Vec<&str> = name.rsplit('.').collect(); // number, process, host, ...
         let Some([_, process, host]) = parts.first_chunk() else { continue };
-        let own = crate::staging::unique();
+        let own = staging::unique();
         let here = own.split('.').next() == Some(*host);
         let ended = process.parse::<u32>().is_ok() && !Path::new("/proc").join(process).exists();
         if name.starts_with('.') && here && ended && Path::new("/proc/self").exists() {
@@ -226,7 +223,7 @@ mod tests {
     fn what_a_dead_process_left_goes_and_what_others_may_still_write_stays() {
         let folder = tempfile::tempdir().expect("temporary folder");
         fs::create_dir(folder.path().join("shards")).expect("writable");
-        let own = crate::staging::unique();
+        let own = staging::unique();
         let (host, process) = (own.split('.').next().unwrap_or_default(), std::process::id());
         // Process numbers end far below this.
         let dead = format!(".000001.csv.{host}.4294967295.00");

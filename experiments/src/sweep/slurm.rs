@@ -14,7 +14,7 @@ use self::batch::{Array, arrays, script};
 use super::manifest::Manifest;
 use super::options::SlurmOptions;
 use super::shard::State;
-use super::{TABLE, merge, plots, say, shard};
+use super::{conclude, say, shard};
 use crate::failure::Failure;
 use crate::{interruption, table};
 
@@ -52,7 +52,8 @@ pub(super) fn run(options: &SlurmOptions) -> Result<(), Failure> {
         follow(&manifest, &mut jobs, options)?;
         let missing = shard::missing(&manifest);
         if missing.is_empty() {
-            return finish(&manifest);
+            queue::forget(&manifest.folder);
+            return conclude(&manifest).map(drop);
         }
         if round == options.rounds {
             break;
@@ -100,13 +101,4 @@ fn follow(manifest: &Manifest, jobs: &mut BTreeSet<String>, options: &SlurmOptio
         // Also after the last job has left: its files may be a moment late on a shared disk.
         std::thread::sleep(Duration::from_secs_f64(options.poll));
     }
-}
-
-fn finish(manifest: &Manifest) -> Result<(), Failure> {
-    queue::forget(&manifest.folder);
-    let out = manifest.folder.join(TABLE);
-    let rows = merge::merge(manifest, &out)?;
-    say(&format!("{}: {rows} rows", out.display()));
-    plots::draw(&manifest.folder)?.iter().for_each(|name| say(&manifest.folder.join(name).display().to_string()));
-    Ok(())
 }

@@ -101,8 +101,5 @@ pub fn write(staging: &mut Staging, fits: &[Fit], options: &TuneOptions) -> Resu
         "versions": versions(),
         "files": files,
     });
-    staging.write(RECORD, |out| -> io::Result<()> {
-        serde_json::to_writer_pretty(&mut *out, &record)?;
-        writeln!(out)
-    })
+    staging.record(&record)
 }

@@ -36,8 +36,7 @@ pub(super) fn camera(root: &Table) -> Result<Camera, SceneError> {
     let mut camera = Camera { columns: 140, field_of_view_rad: 80f64.to_radians() };
     let Some(table) = root.section("camera")? else { return Ok(camera) };
     table.only(&["columns", "field_of_view_deg"])?;
-    if let Some(columns) = table.optional_number("columns", &COLUMNS)? {
-        whole(&table, "columns", columns, &COLUMNS)?;
+    if let Some(columns) = table.optional_whole("columns", &COLUMNS)? {
         camera.columns = columns as usize;
     }
     if let Some(degrees) = table.optional_number("field_of_view_deg", &FIELD_OF_VIEW)? {
@@ -97,7 +96,7 @@ pub(super) fn matcher(root: &Table) -> Result<Matcher, SceneError> {
     if !clustered(&table)? {
         return Ok(matcher);
     }
-    whole(&table, "copy_reach", reach, &REACH)?;
+    table.optional_whole("copy_reach", &REACH)?;
     clustering.copy_reach = reach as u32;
     possible(&table, &clustering, matcher.stereo.correct_match)?;
     matcher.mismatches = Mismatches::Clustered(clustering);
@@ -176,12 +175,4 @@ fn take<const N: usize>(table: &Table, fields: [(&str, &Limit, &mut f64); N]) ->
         }
     }
     Ok(())
-}
-
-/// Refuses a number with a fraction.
-fn whole(table: &Table, key: &str, number: f64, limit: &Limit) -> Result<(), SceneError> {
-    match table.get(key) {
-        Some(value) if number.fract() > 0.0 => Err(table.refuse(key, value, limit.bound, limit.remedy)),
-        _ => Ok(()),
-    }
 }

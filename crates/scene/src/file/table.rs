@@ -199,6 +199,31 @@ impl<'a> Table<'a> {
         self.optional_number(key, limit)?.ok_or_else(missing)
     }
 
+    /// A whole number within its limit, if the key is there.
+    ///
+    /// # Errors
+    /// Another type, a fraction, or a value outside the limit.
+    pub fn optional_whole(&self, key: &str, limit: &Limit) -> Result<Option<u64>, SceneError> {
+        match (self.optional_number(key, limit)?, self.get(key)) {
+            (Some(number), Some(value)) if number.fract() > 0.0 => {
+                Err(self.refuse(key, value, limit.bound, limit.remedy))
+            }
+            (number, _) => Ok(number.map(|number| number as u64)),
+        }
+    }
+
+    /// The one of the known words that a key's value, or one part of it, is.
+    ///
+    /// # Errors
+    /// Anything else, with those known and the nearest.
+    pub fn word<'k>(&self, key: &str, value: &Value, known: &[&'k str]) -> Result<&'k str, SceneError> {
+        let text = value.get_ref().as_str().unwrap_or_default();
+        known.iter().copied().find(|word| *word == text).ok_or_else(|| {
+            let bound = format!("one of {}", known.join(", "));
+            self.refuse(key, value, &bound, &format!("the nearest is \"{}\"", nearest(text, known.iter().copied())))
+        })
+    }
+
     /// Two numbers in a list, no more and no less.
     pub(super) fn pair(&self, key: &str, value: &Value, limit: &Limit) -> Result<[f64; 2], SceneError> {
         let numbers = value.get_ref().as_array().filter(|items| items.len() == 2);
@@ -285,6 +310,12 @@ pub fn number(value: &Value) -> Option<f64> {
         DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|v| v as f64),
         _ => None,
     }
+}
+
+/// The known name that is most like what was written; nothing if none is known.
+pub fn nearest<'k>(name: &str, known: impl IntoIterator<Item = &'k str>) -> &'k str {
+    let likeness = |known: &str| strsim::normalized_damerau_levenshtein(known, name);
+    known.into_iter().max_by(|a, b| likeness(a).total_cmp(&likeness(b))).unwrap_or_default()
 }
 
 /// ` (did you mean ...?)` where a known name is near.

@@ -1,0 +1,118 @@
+//! Making a manifest.
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write as _};
+use std::path::Path;
+
+use super::{Head, Line, MANIFEST, Manifest, shard_of};
+use crate::digest::{Running, build};
+use crate::failure::Failure;
+use crate::staging;
+use crate::sweep::file::Sweep;
+use crate::sweep::job::Job;
+use crate::sweep::site::Site;
+
+/// A shard has about so many jobs where nobody says how many shards there are to be ...
+const JOBS_PER_SHARD: u64 = 500;
+
+/// ... and there are at least so many shards, so that many workers have something to do.
+const FEWEST_SHARDS: u64 = 64;
+
+/// When a manifest takes the place of another.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Replace {
+    /// Never.
+    Never,
+    /// If it is of the same sweep, planned by another build.
+    OtherBuild,
+    /// Whatever it is.
+    Always,
+}
+
+/// Where a job of the product is, for sorting: 16 bytes for each of millions.
+struct Place {
+    id: u64,
+    number: u64,
+}
+
+/// The manifest of a sweep in a folder; what is there already is kept if it is the same.
+///
+/// # Errors
+/// A file of the sweep that cannot be read; another manifest in the folder, unless `replace`; I/O.
+pub fn plan(sweep: &Sweep, folder: &Path, shards: Option<u32>, replace: Replace) -> Result<Manifest, Failure> {
+    let families = sweep.of_families;
+    let sites: Vec<Site> = sweep.sites.iter().map(|path| Site::load(path, families)).collect::<Result<_, _>>()?;
+    let settings_count = sweep.settings_count().unwrap_or(0);
+    let jobs = sweep.jobs().unwrap_or(0);
+    let job = |number: u64| {
+        let (settings, rest) = (number % settings_count, number / settings_count);
+        let site = &sites[(rest / sweep.seeds) as usize];
+        Job {
+            file: site.file.clone(),
+            digest: site.digest.clone(),
+            family: site.family,
+            seed: sweep.first_seed + rest % sweep.seeds,
+            settings: sweep.settings(settings),
+            mappers: sweep.mappers.clone(),
+            regions: sweep.regions.clone(),
+        }
+    };
+    let mut places: Vec<Place> = (0..jobs).map(|number| Place { id: job(number).id(), number }).collect();
+    places.sort_unstable_by_key(|place| place.id);
+    if let Some(pair) = places.windows(2).find(|pair| pair[0].id == pair[1].id) {
+        let same = job(pair[0].number).json() == job(pair[1].number).json();
+        let why =
+            if same { "two jobs are the same" } else { "two jobs have one id by chance; change any value a little" };
+        return Err(Failure::BadInput(format!("the sweep: {why}: {}", job(pair[0].number).json())));
+    }
+    let usual = jobs.div_ceil(JOBS_PER_SHARD).max(FEWEST_SHARDS);
+    let shards = shards.map_or(usual, u64::from).clamp(1, jobs.max(1)) as u32;
+    let mut head = Head {
+        schema_version: 1,
+        sweep: String::new(),
+        jobs,
+        shards,
+        keys: sweep.keys().into_iter().map(str::to_owned).collect(),
+        build: build().to_owned(),
+        sites: sites.clone(),
+    };
+
+    head.sweep = head.sweep_digest(places.iter().map(|place| format!("{:016x}", place.id)));
+
+    fs::create_dir_all(folder).map_err(|e| Failure::write(folder, &e))?;
+    let path = folder.join(MANIFEST);
+    let partial = staging::Temporary::beside(&path);
+    let write = || -> io::Result<String> {
+        let mut digest = Running::default();
+        let mut out = BufWriter::new(File::create(partial.path())?);
+        let mut put = |line: String| {
+            digest.add(line.as_bytes());
+            out.write_all(line.as_bytes())
+        };
+        put(serde_json::to_string(&head)? + "\n")?;
+        for (at, place) in places.iter().enumerate() {
+            let shard = shard_of(at as u64, jobs, shards);
+            let line = Line { id: format!("{:016x}", place.id), shard, job: job(place.number) };
+            put(serde_json::to_string(&line)? + "\n")?;
+        }
+        out.flush()?;
+        out.get_ref().sync_all()?;
+        Ok(digest.hex())
+    };
+    let digest = write().map_err(|e| Failure::write(&path, &e))?;
+    let stays = path.exists()
+        && match (Manifest::open(folder), replace) {
+            (_, Replace::Always) => false,
+            (Ok(former), Replace::OtherBuild) => former.head.sweep != head.sweep,
+            (Ok(former), Replace::Never) => former.digest != digest,
+            (Err(_), _) => true,
+        };
+    if stays {
+        return Err(Failure::BadInput(format!(
+            "{}: is the manifest of another sweep, or was planned by another build; choose another folder with --out, or give --replace",
+            path.display()
+        )));
+    }
+    partial.publish(&path).map_err(|e| Failure::write(&path, &e))?;
+    Manifest::open(folder)
+}
