@@ -74,10 +74,9 @@ impl Plan {
         let mappers = entries(&options.mappers)?;
         let ground = Ground::new(scene::load(&options.scene, options.grid, options.layout)?, options.belief.prior)?;
         let setup = Setup {
-            grid: ground.scene.grid,
-            sensor: Arc::new(ground.scene.matcher.stereo),
             prior: options.belief.prior(),
             reconciliation: options.belief.reconciliation(),
+            ..Setup::new(ground.scene.grid, Arc::new(ground.scene.matcher.stereo))
         };
         Ok(Self { frames: report::moments(&ground, report::FRAMES), ground, mappers, setup })
     }

@@ -7,7 +7,7 @@ use sensor::SensorModel;
 
 use crate::{
     ConstantIncrements, Conventional, ConventionalRule, Field, ForwardEm, LogOdds, Mapper, Mrf, NoOcclusion, Prior,
-    Reconciliation, Unseen, Visibility,
+    Reconciliation, Tuning, Unseen, Visibility,
 };
 
 /// What a mapper is made from.
@@ -21,6 +21,21 @@ pub struct Setup {
     pub prior: Prior,
     /// What becomes of edges that no ray runs along.
     pub reconciliation: Reconciliation,
+    /// Parameters of the rules that are not as published or fitted.
+    pub tuning: Tuning,
+}
+
+impl Setup {
+    /// The paper's prior, and every rule as it is.
+    pub fn new(grid: GridSpec, sensor: Arc<dyn SensorModel>) -> Self {
+        Self {
+            grid,
+            sensor,
+            prior: Prior::default(),
+            reconciliation: Reconciliation::default(),
+            tuning: Tuning::default(),
+        }
+    }
 }
 
 /// How a mapper takes its scans.
@@ -70,28 +85,28 @@ pub const MAPPERS: &[Entry] = &[
         summary: "every cell for itself: no occlusion, no continuity",
         source: "Eqs. (22)-(26)",
         kind: Kind::Online,
-        build: |setup| Box::new(Conventional::new(setup)),
+        build: |setup| Box::new(Conventional::with(setup, setup.tuning.conventional(ConventionalRule::default()))),
     },
     Entry {
         name: "conventional-tuned",
         summary: "the same with bin and clamps fitted on the tuning scenes",
         source: "Eqs. (22)-(26), fitted",
         kind: Kind::Online,
-        build: |setup| Box::new(Conventional::with(setup, ConventionalRule::TUNED)),
+        build: |setup| Box::new(Conventional::with(setup, setup.tuning.conventional(ConventionalRule::TUNED))),
     },
     Entry {
         name: "log-odds-octomap",
         summary: "constant increments with the defaults of OctoMap",
         source: "Hornung et al. 2013",
         kind: Kind::Online,
-        build: |setup| Box::new(ConstantIncrements::new(setup, LogOdds::OCTOMAP)),
+        build: |setup| Box::new(ConstantIncrements::new(setup, setup.tuning.log_odds(LogOdds::OCTOMAP))),
     },
     Entry {
         name: "log-odds-cartographer",
         summary: "constant increments with the defaults of Cartographer",
         source: "Hess et al. 2016",
         kind: Kind::Online,
-        build: |setup| Box::new(ConstantIncrements::new(setup, LogOdds::CARTOGRAPHER)),
+        build: |setup| Box::new(ConstantIncrements::new(setup, setup.tuning.log_odds(LogOdds::CARTOGRAPHER))),
     },
     Entry {
         name: "independent",
@@ -119,7 +134,7 @@ pub const MAPPERS: &[Entry] = &[
         summary: "the generic solution: a field over the map with exact rays, loopy sum-product",
         source: "Rachlin et al. 2005",
         kind: Kind::Batch,
-        build: |setup| Box::new(Mrf::new(setup, Field::TUNED)),
+        build: |setup| Box::new(Mrf::new(setup, setup.tuning.field(Field::TUNED))),
     },
     Entry {
         name: "visibility-touched",

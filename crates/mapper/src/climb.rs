@@ -137,7 +137,6 @@ impl<'a> Climb<'a> {
 mod tests {
     use super::*;
     use crate::catalogue::Setup;
-    use crate::{Prior, Reconciliation};
     use grid::GridSpec;
     use sensor::{Pose, Scan, Stereo};
     use std::sync::Arc;
@@ -145,8 +144,7 @@ mod tests {
     /// Rays from everywhere over 6 x 5 cells.
     fn readings() -> Readings {
         let grid = GridSpec { cell_m: 0.2, origin_m: [0.0; 2], width: 6, height: 5 };
-        let reconciliation = Reconciliation::default();
-        let setup = Setup { grid, sensor: Arc::new(Stereo::default()), prior: Prior::default(), reconciliation };
+        let setup = Setup::new(grid, Arc::new(Stereo::default()));
         let mut readings = Readings::new(&setup);
         for i in 0..40 {
             let turn = f64::from(i);

@@ -117,13 +117,12 @@ impl Mapper for Conventional {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Prior;
     use grid::GridSpec;
     use sensor::{Pose, Stereo};
 
     fn setup(width: usize) -> Setup {
         let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width, height: 1 };
-        Setup { grid, sensor: Arc::new(Stereo::default()), prior: Prior::default(), reconciliation: Default::default() }
+        Setup::new(grid, Arc::new(Stereo::default()))
     }
 
     fn scan(reading: f64) -> Scan {

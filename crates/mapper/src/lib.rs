@@ -32,6 +32,7 @@ pub mod printed;
 mod prior;
 mod readings;
 mod reconcile;
+mod tuning;
 mod unseen;
 mod visibility;
 
@@ -46,6 +47,7 @@ pub use no_occlusion::NoOcclusion;
 pub use pairs::{Broken, Joint, PairwiseGrid};
 pub use prior::{CorrelationLaw, Prior};
 pub use reconcile::Reconciliation;
+pub use tuning::Tuning;
 pub use unseen::Unseen;
 pub use visibility::{RayRule, Visibility};
 

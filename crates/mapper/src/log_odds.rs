@@ -127,17 +127,13 @@ impl Mapper for ConstantIncrements {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Prior;
     use grid::GridSpec;
     use sensor::{Pose, Stereo};
 
     fn mapper(rule: LogOdds) -> ConstantIncrements {
         let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: 40, height: 1 };
         let sensor = Arc::new(Stereo::default());
-        ConstantIncrements::new(
-            &Setup { grid, sensor, prior: Prior::default(), reconciliation: Default::default() },
-            rule,
-        )
+        ConstantIncrements::new(&Setup::new(grid, sensor), rule)
     }
 
     fn scan(readings: &[f64]) -> Scan {

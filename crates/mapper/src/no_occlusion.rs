@@ -103,7 +103,7 @@ impl NoOcclusion {
         Self {
             pairs: PairwiseGrid::prior(setup.grid, &setup.prior),
             sensor: Arc::clone(&setup.sensor),
-            rule: ConventionalRule::default(),
+            rule: setup.tuning.conventional(ConventionalRule::default()),
             reconciliation: setup.reconciliation,
             line: DigitalLine::default(),
             chain: Chain::default(),

@@ -38,7 +38,7 @@ mod tests {
         let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: 40, height: 1 };
         let prior = Prior { occupancy: 0.3, ..Prior::default() };
         let sensor = Arc::new(Stereo::default());
-        let mut mapper = Unseen::new(&Setup { grid, sensor, prior, reconciliation: Default::default() });
+        let mut mapper = Unseen::new(&Setup { prior, ..Setup::new(grid, sensor) });
         let pose = Pose { x_m: 0.0, y_m: 0.02, theta_rad: 0.0 };
         mapper.integrate(&Scan { time_s: 0.0, pose, bearings_rad: vec![0.0], readings: vec![Some(10.0)] });
         assert!(mapper.occupancy().values().iter().all(|p| (p - 0.3).abs() < 1e-15));

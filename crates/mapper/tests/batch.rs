@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use grid::{DigitalLine, GridSpec};
 use mapper::catalogue::Setup;
-use mapper::{Field, ForwardEm, Mapper as _, Mrf, Prior, Reconciliation, mrf};
+use mapper::{Field, ForwardEm, Mapper as _, Mrf, Prior, mrf};
 use proptest::prelude::*;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
@@ -16,7 +16,7 @@ const STEREO: Stereo = Stereo { focal_baseline: 15.0, disparity_sigma: 3.0, corr
 fn setup(width: usize, height: usize) -> Setup {
     let grid = GridSpec { cell_m: 0.5, origin_m: [0.0; 2], width, height };
     let prior = Prior { occupancy: 0.2, ..Prior::default() };
-    Setup { grid, sensor: Arc::new(STEREO), prior, reconciliation: Reconciliation::default() }
+    Setup { prior, ..Setup::new(grid, Arc::new(STEREO)) }
 }
 
 /// Swept until nothing moves.

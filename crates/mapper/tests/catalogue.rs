@@ -16,7 +16,7 @@ const INSIDE: Pose = Pose { x_m: 0.02, y_m: 0.03, theta_rad: 0.3 };
 fn setup(width: usize, height: usize, occupancy: f64, correlation: f64, reconciliation: Reconciliation) -> Setup {
     let grid = GridSpec { cell_m: 0.1, origin_m: [0.0; 2], width, height };
     let prior = Prior { occupancy, correlation, ..Prior::default() };
-    Setup { grid, sensor: Arc::new(Stereo::default()), prior, reconciliation }
+    Setup { prior, reconciliation, ..Setup::new(grid, Arc::new(Stereo::default())) }
 }
 
 fn scan(pose: Pose, readings: Vec<Option<f64>>) -> Scan {

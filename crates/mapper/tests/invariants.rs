@@ -10,7 +10,7 @@ use sensor::{Pose, Scan, Stereo};
 
 fn setup(width: usize, height: usize, prior: Prior, reconciliation: Reconciliation, stereo: Stereo) -> Setup {
     let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width, height };
-    Setup { grid, sensor: Arc::new(stereo), prior, reconciliation }
+    Setup { prior, reconciliation, ..Setup::new(grid, Arc::new(stereo)) }
 }
 
 fn scan(x_m: f64, y_m: f64, theta_rad: f64, bearings: &[f64], reading: f64) -> Scan {

@@ -46,7 +46,7 @@ prop_compose! {
 /// A row of cells, a camera in the first, and one scan per reading.
 fn row(width: usize, prior: Prior, reconciliation: Reconciliation) -> Setup {
     let grid = GridSpec { cell_m: 0.2, origin_m: [0.0; 2], width, height: 1 };
-    Setup { grid, sensor: Arc::new(Stereo::default()), prior, reconciliation }
+    Setup { prior, reconciliation, ..Setup::new(grid, Arc::new(Stereo::default())) }
 }
 
 fn scan(reading: f64) -> Scan {

@@ -1,8 +1,10 @@
 //! From a scene file to a [`Scene`]: the one door at which everything is checked.
 
 pub(crate) mod camera;
+pub(crate) mod edit;
 mod family;
 mod fit;
+pub mod limits;
 mod map;
 mod obstacles;
 mod polygon;

@@ -31,7 +31,9 @@ mod world;
 pub use drive::{Drive, TimedPose, drive};
 /// Strict reading of TOML files, for files of other kinds than scenes.
 pub mod reader {
-    pub use crate::file::camera::stereo;
+    pub use crate::file::camera::{CLUSTERING, stereo};
+    pub use crate::file::edit::{Given, Override, with};
+    pub use crate::file::limits;
     pub use crate::file::table::{Limit, Source, Table, Value, nearest, number};
     pub use crate::file::{open, read};
 }

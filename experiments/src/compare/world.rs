@@ -116,12 +116,8 @@ impl Job {
         let unknown = || Failure::Internal(format!("there is no condition {:?}", self.condition));
         let Condition { size_factor, camera, .. } = *condition(&self.condition).ok_or_else(unknown)?;
         let mut scene = family.scene(self.seed, None, &Variation { size_factor })?;
-        let setup = Setup {
-            grid: scene.grid,
-            sensor: Arc::new(scene.matcher.stereo),
-            prior: belief.prior,
-            reconciliation: belief.reconciliation,
-        };
+        let Belief { prior, reconciliation } = *belief;
+        let setup = Setup { prior, reconciliation, ..Setup::new(scene.grid, Arc::new(scene.matcher.stereo)) };
         camera(&mut scene.matcher);
         Ok((Ground::new(scene, belief.prior.occupancy)?, setup))
     }

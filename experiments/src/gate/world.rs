@@ -4,8 +4,8 @@ use std::fmt;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use mapper::Prior;
 use mapper::catalogue::Setup;
-use mapper::{Prior, Reconciliation};
 use scene::{Family, Scene, SceneError, Variation};
 use score::Region;
 
@@ -100,12 +100,7 @@ impl Site {
             Kind::Scene { .. } => Scene::load(&self.path, world.cell_m())?,
         };
         let prior = Prior::default();
-        let setup = Setup {
-            grid: scene.grid,
-            sensor: Arc::new(scene.matcher.stereo),
-            prior,
-            reconciliation: Reconciliation::default(),
-        };
+        let setup = Setup { prior, ..Setup::new(scene.grid, Arc::new(scene.matcher.stereo)) };
         camera(&mut scene.matcher);
         Ok((Ground::new(scene, prior.occupancy)?, setup))
     }

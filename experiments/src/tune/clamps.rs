@@ -51,12 +51,7 @@ mod tests {
     #[test]
     fn maps_are_those_of_the_mapper_bit_by_bit() {
         let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: 60, height: 40 };
-        let setup = Setup {
-            grid,
-            sensor: Arc::new(Stereo::default()),
-            prior: Default::default(),
-            reconciliation: Default::default(),
-        };
+        let setup = Setup::new(grid, Arc::new(Stereo::default()));
         let scan = |k: i32| Scan {
             time_s: 0.0,
             pose: Pose { x_m: 0.1 * f64::from(k), y_m: 1.0, theta_rad: 0.05 * f64::from(k) },

@@ -4,32 +4,10 @@ use sensor::{Camera, Clustering, Matcher, Mismatches, Stereo};
 
 use crate::{Robot, SceneError};
 
+use super::limits::{
+    COLUMNS, FIELD_OF_VIEW, FOCAL_BASELINE, INTERVAL, PROBABILITY, RADIUS, REACH, SEARCH, SIGMA, SPEED, STEP, TURN_RATE,
+};
 use super::table::{Limit, Table};
-
-const fn limit(min: f64, max: f64, bound: &'static str, remedy: &'static str) -> Limit {
-    Limit { min, max, bound, remedy }
-}
-
-const COLUMNS: Limit =
-    limit(1.0, 1e5, "a whole number from 1 to 100000", "give the number of image columns, such as 140");
-const FIELD_OF_VIEW: Limit =
-    limit(0.1, 175.0, "an angle in degrees, 0.1 to 175", "give the full horizontal field of view, such as 80");
-const FOCAL_BASELINE: Limit =
-    limit(1e-6, 1e6, "a positive number in px·m, 0.000001 to 1000000", "give focal length times baseline, such as 15");
-const SIGMA: Limit =
-    limit(1e-6, 1e3, "a positive number in px, 0.000001 to 1000", "give a standard deviation such as 0.5");
-const SEARCH: Limit =
-    limit(1e-3, 1e6, "a positive number in px, 0.001 to 1000000", "give the largest disparity searched, such as 60");
-const STEP: Limit =
-    limit(0.0, 1e3, "a number in px, 0 to 1000", "give 1 for whole pixels, a fraction for sub-pixels, 0 for none");
-const PROBABILITY: Limit = limit(0.0, 1.0, "a probability, 0 to 1", "give a number such as 0.8");
-const REACH: Limit = limit(1.0, 1e5, "a whole number of columns from 1 to 100000", "give a number such as 7");
-
-const RADIUS: Limit = limit(1e-3, 1e3, "a positive length in m, 0.001 to 1000", "give the robot's radius, such as 0.2");
-const SPEED: Limit = limit(1e-3, 1e3, "a positive speed in m/s, 0.001 to 1000", "give a speed such as 0.5");
-const TURN_RATE: Limit = limit(0.1, 1e5, "a positive rate in degrees per s, 0.1 to 100000", "give a rate such as 30");
-const INTERVAL: Limit =
-    limit(1e-4, 1e4, "a positive time in s, 0.0001 to 10000", "give the time between scans, such as 0.2");
 
 /// `[camera]`: 140 columns over 80 degrees where the file is silent.
 pub(super) fn camera(root: &Table) -> Result<Camera, SceneError> {
@@ -46,7 +24,7 @@ pub(super) fn camera(root: &Table) -> Result<Camera, SceneError> {
 }
 
 /// Keys of `[sensor]` that say how mismatches cluster.
-const CLUSTERING: [&str; 4] = ["persistence", "copies", "near_misses", "copy_reach"];
+pub const CLUSTERING: [&str; 4] = ["persistence", "copies", "near_misses", "copy_reach"];
 
 /// `[sensor]` of a camera that need not be simulated: the paper's where the file is silent.
 ///

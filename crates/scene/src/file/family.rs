@@ -7,6 +7,7 @@ use toml::de::DeTable;
 use crate::generate::{Kind, Plan};
 use crate::{Family, SceneError};
 
+use super::limits::{CLEARANCE, COVERED, OBSTACLE, OPENING, SHARE, SIDE, SPREAD, THICKNESS};
 use super::table::{Limit, Table};
 use super::{DEFAULT_CELL_M, camera, grid_spec, open};
 
@@ -30,23 +31,6 @@ const COMMON: [&str; 10] = [
     "clearance",
     "wall_thickness",
 ];
-
-const fn limit(min: f64, max: f64, bound: &'static str, remedy: &'static str) -> Limit {
-    Limit { min, max, bound, remedy }
-}
-
-const SIDE: Limit =
-    limit(2.0, 100.0, "two lengths in m, 2 to 100, the least first", "give [least, most], such as [6.0, 8.0]");
-const OPENING: Limit =
-    limit(0.1, 20.0, "two lengths in m, 0.1 to 20, the least first", "give [least, most], such as [0.9, 1.1]");
-const OBSTACLE: Limit = limit(0.02, 10.0, "a length in m, 0.02 to 10", "give the mean size, such as 0.4");
-const SPREAD: Limit =
-    limit(0.0, 0.9, "a share from 0 to 0.9", "0.5 draws sizes from half to one and a half of the mean");
-const COVERED: Limit =
-    limit(0.0, 0.4, "a share from 0 to 0.4", "give the share of the floor under furniture, such as 0.08");
-const SHARE: Limit = limit(0.0, 1.0, "a share from 0 to 1", "give a number such as 0.3");
-const CLEARANCE: Limit = limit(0.01, 2.0, "a length in m, 0.01 to 2", "give what the robot keeps off, such as 0.1");
-const THICKNESS: Limit = limit(0.01, 1.0, "a length in m, 0.01 to 1", "give the walls' thickness, such as 0.1");
 
 /// Whether a text is a family file rather than a scene's.
 pub(crate) fn is_family(text: &str) -> bool {

@@ -1,0 +1,63 @@
+//! What the numbers of a scene file may be.
+
+use super::table::Limit;
+
+const fn limit(min: f64, max: f64, bound: &'static str, remedy: &'static str) -> Limit {
+    Limit { min, max, bound, remedy }
+}
+
+/// Image columns.
+pub const COLUMNS: Limit =
+    limit(1.0, 1e5, "a whole number from 1 to 100000", "give the number of image columns, such as 140");
+/// Full horizontal field of view, degrees.
+pub const FIELD_OF_VIEW: Limit =
+    limit(0.1, 175.0, "an angle in degrees, 0.1 to 175", "give the full horizontal field of view, such as 80");
+/// Focal length times baseline, px·m.
+pub const FOCAL_BASELINE: Limit =
+    limit(1e-6, 1e6, "a positive number in px·m, 0.000001 to 1000000", "give focal length times baseline, such as 15");
+/// Standard deviation of a disparity, px.
+pub const SIGMA: Limit =
+    limit(1e-6, 1e3, "a positive number in px, 0.000001 to 1000", "give a standard deviation such as 0.5");
+/// Largest disparity searched, px.
+pub const SEARCH: Limit =
+    limit(1e-3, 1e6, "a positive number in px, 0.001 to 1000000", "give the largest disparity searched, such as 60");
+/// Step that disparities are rounded to, px.
+pub const STEP: Limit =
+    limit(0.0, 1e3, "a number in px, 0 to 1000", "give 1 for whole pixels, a fraction for sub-pixels, 0 for none");
+/// A probability.
+pub const PROBABILITY: Limit = limit(0.0, 1.0, "a probability, 0 to 1", "give a number such as 0.8");
+/// Columns that a mismatch copies across.
+pub const REACH: Limit = limit(1.0, 1e5, "a whole number of columns from 1 to 100000", "give a number such as 7");
+
+/// Radius of the robot, m.
+pub const RADIUS: Limit =
+    limit(1e-3, 1e3, "a positive length in m, 0.001 to 1000", "give the robot's radius, such as 0.2");
+/// Speed of the robot, m/s.
+pub const SPEED: Limit = limit(1e-3, 1e3, "a positive speed in m/s, 0.001 to 1000", "give a speed such as 0.5");
+/// Turning on the spot, degrees per s.
+pub const TURN_RATE: Limit =
+    limit(0.1, 1e5, "a positive rate in degrees per s, 0.1 to 100000", "give a rate such as 30");
+/// Time between scans, s.
+pub const INTERVAL: Limit =
+    limit(1e-4, 1e4, "a positive time in s, 0.0001 to 10000", "give the time between scans, such as 0.2");
+
+/// Sides of a generated place, m.
+pub const SIDE: Limit =
+    limit(2.0, 100.0, "two lengths in m, 2 to 100, the least first", "give [least, most], such as [6.0, 8.0]");
+/// Width of a corridor or door, m.
+pub const OPENING: Limit =
+    limit(0.1, 20.0, "two lengths in m, 0.1 to 20, the least first", "give [least, most], such as [0.9, 1.1]");
+/// Mean size of obstacles, m.
+pub const OBSTACLE: Limit = limit(0.02, 10.0, "a length in m, 0.02 to 10", "give the mean size, such as 0.4");
+/// Spread of the sizes of obstacles.
+pub const SPREAD: Limit =
+    limit(0.0, 0.9, "a share from 0 to 0.9", "0.5 draws sizes from half to one and a half of the mean");
+/// Share of the floor under furniture.
+pub const COVERED: Limit =
+    limit(0.0, 0.4, "a share from 0 to 0.4", "give the share of the floor under furniture, such as 0.08");
+/// A share.
+pub const SHARE: Limit = limit(0.0, 1.0, "a share from 0 to 1", "give a number such as 0.3");
+/// What the robot keeps off obstacles, m.
+pub const CLEARANCE: Limit = limit(0.01, 2.0, "a length in m, 0.01 to 2", "give what the robot keeps off, such as 0.1");
+/// Thickness of walls, m.
+pub const THICKNESS: Limit = limit(0.01, 1.0, "a length in m, 0.01 to 1", "give the walls' thickness, such as 0.1");
