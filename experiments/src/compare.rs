@@ -100,7 +100,7 @@ fn configuration(plan: &Plan, record: &outputs::Record) -> Result<String, Failur
 /// Maps and scores every world that is not yet finished.
 fn map_worlds(plan: &Plan, out: &Path, configuration: &str) -> Result<Vec<World>, Failure> {
     let jobs = plan.jobs();
-    let journal = Journal::open(out, configuration);
+    let journal = Journal::open(out, configuration)?;
     let finished = Arc::new(AtomicUsize::new(0));
     let (done, all, place) = (Arc::clone(&finished), jobs.len(), out.display().to_string());
     interruption::keeps(move || {

@@ -5,6 +5,8 @@ use std::sync::OnceLock;
 
 use sha2::{Digest as _, Sha256};
 
+use crate::failure::Failure;
+
 /// The SHA-256 of some bytes.
 pub fn sha256(bytes: &[u8]) -> [u8; 32] {
     Sha256::digest(bytes).into()
@@ -42,12 +44,18 @@ impl Running {
 }
 
 /// What tells this program from another build of it: its version, and a digest of its executable.
-pub fn build() -> &'static str {
-    static BUILD: OnceLock<String> = OnceLock::new();
-    BUILD.get_or_init(|| {
-        let executable = std::env::current_exe().and_then(fs::read).unwrap_or_default();
-        format!("{}-{:016x}", env!("CARGO_PKG_VERSION"), number(&executable))
-    })
+///
+/// # Errors
+/// An executable that cannot be read.
+pub fn build() -> Result<&'static str, Failure> {
+    static BUILD: OnceLock<Result<String, String>> = OnceLock::new();
+    let build = BUILD.get_or_init(|| {
+        // The link leads to the executable even after it was deleted or replaced.
+        let executable = fs::read("/proc/self/exe").or_else(|_| std::env::current_exe().and_then(fs::read));
+        let digest = executable.map(|bytes| number(&bytes)).map_err(|error| error.to_string())?;
+        Ok(format!("{}-{digest:016x}", env!("CARGO_PKG_VERSION")))
+    });
+    build.as_deref().map_err(|error| Failure::Internal(format!("cannot read this program's own file: {error}")))
 }
 
 #[cfg(test)]

@@ -304,6 +304,93 @@ fn a_world_that_cannot_be_made_is_a_row() {
     assert_eq!(text.lines().count(), 1 + 1 + 3);
 }
 
+/// Every parameter with two values that no default is, and the mapper that minds.
+const VALUES: [(&str, [&str; 2], &str); 47] = [
+    ("size_factor", ["0.8", "1.3"], "visibility"),
+    ("width", ["2.5", "3.5"], "visibility"),
+    ("height", ["2.5", "3.5"], "visibility"),
+    ("passage", ["1.2", "1.6"], "visibility"),
+    ("door", ["0.9", "1.3"], "visibility"),
+    ("obstacle_size", ["0.2", "0.5"], "visibility"),
+    ("obstacle_spread", ["0.0", "0.9"], "visibility"),
+    ("covered", ["0.01", "0.05"], "visibility"),
+    ("discs", ["0.0", "1.0"], "visibility"),
+    ("along_walls", ["0.0", "1.0"], "visibility"),
+    ("clearance", ["0.02", "0.5"], "visibility"),
+    ("wall_thickness", ["0.2", "0.3"], "visibility"),
+    ("radius", ["0.1", "0.3"], "visibility"),
+    ("speed", ["0.3", "0.7"], "visibility"),
+    ("turn_rate_deg", ["20.0", "40.0"], "visibility"),
+    ("scan_interval", ["0.7", "1.1"], "visibility"),
+    ("columns", ["12", "20"], "visibility"),
+    ("field_of_view_deg", ["70.0", "90.0"], "visibility"),
+    ("focal_baseline", ["10.0", "20.0"], "visibility"),
+    ("max_disparity", ["40.0", "80.0"], "visibility"),
+    ("correct_match", ["0.6", "0.9"], "visibility"),
+    ("disparity_sigma", ["0.3", "0.8"], "visibility"),
+    ("detection_rate", ["0.4", "0.9"], "visibility"),
+    ("quantisation", ["0.5", "1.0"], "visibility"),
+    ("mismatches", ["\"independent\"", "\"clustered\""], "visibility"),
+    ("persistence", ["0.5", "0.9"], "visibility"),
+    ("copies", ["0.0", "0.85"], "visibility"),
+    ("near_misses", ["0.0", "0.25"], "visibility"),
+    ("copy_reach", ["1", "15"], "visibility"),
+    ("scans", ["2", "4"], "visibility"),
+    ("grid", ["0.08", "0.2"], "visibility"),
+    ("prior", ["0.05", "0.2"], "visibility"),
+    ("correlation", ["0.5", "0.9"], "visibility"),
+    ("assumed_length", ["0.2", "0.8"], "visibility"),
+    ("correlation_law", ["\"scaled\"", "\"fixed\""], "visibility"),
+    ("reconciliation", ["\"all-edges\"", "\"touched\""], "visibility"),
+    ("believed_correct_match", ["0.6", "0.9"], "visibility"),
+    ("believed_sigma", ["0.3", "0.8"], "visibility"),
+    ("half_width", ["0.3", "0.8"], "conventional"),
+    ("clamp_low", ["0.01", "0.1"], "log-odds-octomap"),
+    ("clamp_high", ["0.7", "0.9"], "conventional-tuned"),
+    ("hit", ["0.6", "0.9"], "log-odds-cartographer"),
+    ("miss", ["0.3", "0.45"], "log-odds-octomap"),
+    ("start", ["0.1", "0.4"], "log-odds-octomap"),
+    ("coupling", ["0.1", "0.3"], "mrf"),
+    ("damping", ["0.0", "0.9"], "mrf"),
+    ("sweeps", ["1", "3"], "mrf"),
+];
+
+#[test]
+fn every_parameter_changes_the_scores() {
+    let place = place();
+    let place = place.path();
+    let (help, _) = sweep(place, 0, &["--help"]);
+    let (_, listed) = help.split_once("\nParameters").expect("listed");
+    let listed = listed.lines().skip(1).take_while(|line| !line.is_empty());
+    let listed: Vec<&str> = listed.filter_map(|line| line.strip_prefix("  ")?.split(' ').next()).collect();
+    assert_eq!(listed, VALUES.map(|(key, ..)| key));
+    let corridor = FAMILY.replace("clutter", "corridor").replace("width = [3.0, 3.0]", "width = [9.0, 9.0]");
+    let corridor =
+        corridor.replace("height = [3.0, 3.2]", "height = [6.0, 6.0]\npassage = [1.4, 1.4]\ndoor = [1.0, 1.0]");
+    fs::write(place.join("corridor.toml"), corridor).expect("writable");
+    let clustered = format!("{FAMILY}[sensor]\nmismatches = \"clustered\"\n");
+    fs::write(place.join("clustered.toml"), clustered).expect("writable");
+    for (key, [one, other], mapper) in VALUES {
+        let family = match key {
+            "passage" | "door" => "corridor.toml",
+            "mismatches" | "persistence" | "copies" | "near_misses" | "copy_reach" => "clustered.toml",
+            _ => "attics.toml",
+        };
+        let text = format!(
+            "families = [\"{family}\"]\nmappers = [\"{mapper}\"]\nregions = [\"observable\"]\n[vary]\n{key} = [{one}, {other}]\n"
+        );
+        fs::write(place.join("s.toml"), text).expect("writable");
+        sweep(place, 0, &["s.toml", "--out", key, "--shards", "1"]);
+        let mut rows = csv::Reader::from_path(place.join(key).join("table.csv")).expect("merged");
+        let heads = rows.headers().expect("heads").clone();
+        let loss = heads.iter().position(|head| head == "log_loss").expect("there");
+        let rows: Vec<csv::StringRecord> = rows.records().collect::<Result<_, _>>().expect("rows");
+        assert!(rows.iter().all(|row| row.iter().next_back() == Some("")), "{key}: {rows:?}");
+        assert_eq!(rows.len(), 2, "{key}");
+        assert_ne!(rows[0][loss], rows[1][loss], "{key} changes nothing");
+    }
+}
+
 #[test]
 fn bad_input_is_one_line_with_its_place() {
     let place = place();
@@ -374,6 +461,15 @@ fn bad_input_is_one_line_with_its_place() {
             "at most 10000000 jobs",
         ),
         ("scene = \"attics.toml\"\nmappers = [\"prior\"]", "attics.toml:"),
+        (
+            "families = [\"attics.toml\"]\nmappers = [\"prior\"]\n[vary]\npersistence = [0.9]",
+            "the sweep sets persistence = 0.9: attics.toml:",
+        ),
+        ("families = [\"attics.toml\"]\nmappers = [\"prior\"]\n[set]\ncovered = 0.1\ndoor = 1.0", "unknown key `door`"),
+        (
+            "scene = \"a.toml\"\nmappers = [\"prior\"]\n[vary]\ncovered = [0.1]",
+            "s.toml:4:11: [vary]: covered = [0.1]: must be left out without families",
+        ),
         ("families = [\"nowhere\"]\nmappers = [\"prior\"]", "scenes/nowhere.toml: cannot be read"),
     ] {
         fs::write(place.join("s.toml"), bad).expect("writable");

@@ -25,9 +25,12 @@ pub struct Journal {
 
 impl Journal {
     /// The journal of a configuration in the output folder.
-    pub fn open(out: &Path, configuration: &str) -> Self {
-        let digest = digest::number(format!("{configuration}\n{}", digest::build()).as_bytes());
-        Self { folder: out.join(format!("{PREFIX}{digest:016x}")) }
+    ///
+    /// # Errors
+    /// As [`digest::build`].
+    pub fn open(out: &Path, configuration: &str) -> Result<Self, Failure> {
+        let digest = digest::number(format!("{configuration}\n{}", digest::build()?).as_bytes());
+        Ok(Self { folder: out.join(format!("{PREFIX}{digest:016x}")) })
     }
 
     /// The world of a job, if it was finished before. A file that was cut short or changed does not count.
@@ -90,13 +93,13 @@ mod tests {
     #[test]
     fn what_is_kept_is_read_to_the_last_bit_and_nothing_else() {
         let out = tempfile::tempdir().expect("temporary folder");
-        let journal = Journal::open(out.path(), "one");
+        let journal = Journal::open(out.path(), "one").expect("the build");
         assert_eq!(fs::read_dir(out.path()).expect("there").count(), 0, "nothing is kept yet");
         journal.keep(&world(1)).expect("writable");
         assert_eq!(journal.read(&world(1).job), Some(world(1)));
         assert_eq!(journal.read(&world(2).job), None);
         assert_eq!(journal.read(&Job { batch: false, ..world(1).job }), None, "fewer mappers ran on it");
-        assert_eq!(Journal::open(out.path(), "two").read(&world(1).job), None);
+        assert_eq!(Journal::open(out.path(), "two").expect("the build").read(&world(1).job), None);
 
         let kept = fs::read_to_string(journal.file(&world(1).job)).expect("kept");
         for (wrong, why) in [
@@ -116,7 +119,7 @@ mod tests {
     #[test]
     fn a_world_that_cannot_be_kept_is_an_error_and_leaves_nothing() {
         let out = tempfile::tempdir().expect("temporary folder");
-        let journal = Journal::open(out.path(), "one");
+        let journal = Journal::open(out.path(), "one").expect("the build");
         fs::create_dir_all(journal.file(&world(1).job)).expect("writable");
         let message = journal.keep(&world(1)).expect_err("in the way").to_string();
         assert!(message.contains("cannot be written"), "{message}");

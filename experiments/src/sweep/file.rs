@@ -11,7 +11,7 @@ use score::Region;
 use serde::Serialize;
 
 use self::values::{keys, list, paired, settings, values};
-use super::parameters::{PARAMETERS, Settings, Value};
+use super::parameters::{PARAMETERS, Parameter, Settings, Value};
 use super::regions;
 use crate::scenes::path_of;
 
@@ -226,8 +226,9 @@ fn once(root: &Table, sweep: &Sweep) -> Result<(), SceneError> {
     if places("correlation") > 0 && places("assumed_length") > 0 {
         refuse("assumed_length", "left out beside correlation, which says the same", "keep one of them")?;
     }
-    if places("size_factor") > 0 && root.get("families").is_none() {
-        refuse("size_factor", "left out without families, whose obstacles it is about", "use `families = [..]`")?;
+    let of_family = |parameter: &&Parameter| parameter.of_family() && places(parameter.key) > 0;
+    if let Some(parameter) = PARAMETERS.iter().find(of_family).filter(|_| !sweep.of_families) {
+        refuse(parameter.key, "left out without families, whose layouts it is about", "use `families = [..]`")?;
     }
     Ok(())
 }

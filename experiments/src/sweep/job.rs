@@ -5,11 +5,11 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 use mapper::catalogue::{Entry, Setup, find};
-use mapper::{CorrelationLaw, Prior, Reconciliation, estimate};
-use sensor::{Mismatches, Stereo};
+use mapper::{CorrelationLaw, Prior, Reconciliation, Tuning, estimate};
+use sensor::Stereo;
 use serde::{Deserialize, Serialize};
 
-use super::parameters::{Settings, number_of, parameter, word_of};
+use super::parameters::{Parameter, Settings, number_of, parameter, word_of};
 use super::row::{Row, rows};
 use super::site::{Site, Source};
 use crate::digest;
@@ -59,7 +59,7 @@ impl Job {
     /// The seed of the readings, from the digest of what decides them: jobs that differ only in what mappers make of
     /// their readings have the same ones, and can be compared in pairs.
     pub fn readings_seed(&self) -> u64 {
-        let of_world = |key: &String| parameter(key).is_some_and(|parameter| parameter.of_world);
+        let of_world = |key: &String| parameter(key).is_some_and(Parameter::of_world);
         let settings = self.settings.iter().filter(|(key, _)| of_world(key));
         let settings = settings.map(|(key, value)| (key.clone(), value.clone())).collect();
         let world = World { digest: &self.digest, seed: self.seed, settings };
@@ -99,18 +99,7 @@ impl Job {
     /// The world, and what the mappers believe of it: the camera that is simulated, unless a setting says otherwise.
     fn ground(&self, source: &Source) -> Result<(Ground, Setup), Failure> {
         let (number, word) = (|key| number_of(&self.settings, key), |key| word_of(&self.settings, key));
-        let mut scene = source.scene(self.seed, number("grid"), number("size_factor"))?;
-        if let Some(correct_match) = number("correct_match") {
-            scene.matcher.stereo.correct_match = correct_match;
-        }
-        if let Some(sigma) = number("disparity_sigma") {
-            scene.matcher.stereo.disparity_sigma = sigma;
-        }
-        match word("mismatches") {
-            Some("clustered") => scene.matcher.mismatches = Mismatches::Clustered(Default::default()),
-            Some(_) => scene.matcher.mismatches = Mismatches::Independent,
-            None => {}
-        }
+        let scene = source.scene(self.seed, &self.settings)?;
         let camera = scene.matcher.stereo;
         let believed = Stereo {
             correct_match: number("believed_correct_match").unwrap_or(camera.correct_match),
@@ -123,15 +112,37 @@ impl Job {
             Some(_) => Reconciliation::AllEdges,
             None => Reconciliation::default(),
         };
-        let setup = Setup { grid: scene.grid, sensor: Arc::new(believed), prior, reconciliation };
+        let tuning = self.tuning()?;
+        let setup = Setup { prior, reconciliation, tuning, ..Setup::new(scene.grid, Arc::new(believed)) };
         Ok((Ground::new(scene, prior.occupancy)?, setup))
+    }
+
+    /// Parameters of rules other than the paper's.
+    fn tuning(&self) -> Result<Tuning, Failure> {
+        let number = |key| number_of(&self.settings, key);
+        if let (Some(low), Some(high)) = (number("clamp_low"), number("clamp_high"))
+            && low > high
+        {
+            return Err(Failure::BadInput(format!("clamp_low = {low} is above clamp_high = {high}; exchange them")));
+        }
+        Ok(Tuning {
+            half_width: number("half_width"),
+            clamp_low: number("clamp_low"),
+            clamp_high: number("clamp_high"),
+            hit: number("hit"),
+            miss: number("miss"),
+            start: number("start"),
+            coupling: number("coupling"),
+            damping: number("damping"),
+            sweeps: number("sweeps").map(|sweeps| sweeps as usize),
+        })
     }
 
     fn prior(&self) -> Prior {
         let number = |key| number_of(&self.settings, key);
         let default = Prior::default();
         let occupancy = number("prior").unwrap_or(default.occupancy);
-        let by_length = number("assumed_length").map(|length_m| estimate::law(occupancy, length_m, CORRELATION_AT_M));
+        let by_length = number("assumed_length").map(|length_m| estimate::law(occupancy, length_m, Prior::REFERENCE_M));
         let correlation_law = match word_of(&self.settings, "correlation_law") {
             Some("fixed") => CorrelationLaw::Fixed,
             Some(_) => CorrelationLaw::Scaled,
@@ -168,9 +179,6 @@ fn caught(run: impl FnOnce() -> Result<Vec<Row>, Failure>) -> Result<Vec<Row>, S
     catch_unwind(AssertUnwindSafe(run))
         .unwrap_or_else(|panic| Err(format!("panic: {}", panic_text(&*panic).unwrap_or("without a message"))))
 }
-
-/// Correlations are given for cells this far apart, m.
-const CORRELATION_AT_M: f64 = 0.05;
 
 #[cfg(test)]
 mod tests {

@@ -139,13 +139,13 @@ impl Manifest {
     /// # Errors
     /// Such a manifest.
     pub fn confirm(&self) -> Result<(), Failure> {
-        if self.head.build != build() {
+        if self.head.build != build()? {
             let path = self.folder.join(MANIFEST);
             return Err(Failure::BadInput(format!(
                 "{}: was planned by build {}, and this is {}; run that program, or plan again with --replace",
                 path.display(),
                 self.head.build,
-                build()
+                build()?
             )));
         }
         self.head.sites.iter().try_for_each(|site| site.source().map(drop))

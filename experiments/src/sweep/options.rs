@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
+use super::parameters::{Kind, Of, PARAMETERS, Parameter};
 use crate::cli::{Format, MOST_THREADS, count};
 
 /// More shards than this are a mistake.
@@ -22,16 +23,31 @@ const FORM: &str = "A sweep file is TOML:\n
   [paired]                               # lists that go together
   disparity_sigma = [0.25, 1.0]
   believed_sigma = [0.5, 0.5]\n
-Parameters: size_factor (of families), correct_match, disparity_sigma, mismatches
-(\"independent\", \"clustered\"), scans, grid, prior, correlation, assumed_length (m),
-correlation_law (\"scaled\", \"fixed\"), reconciliation (\"all-edges\", \"touched\"),
-believed_correct_match, believed_sigma. Mappers know the simulated camera unless a
-believed_ key says otherwise. The region range-by-looks is one per bin of range and
-number of looks.";
+Mappers know the simulated camera unless a believed_ key says otherwise. The region
+range-by-looks is one per bin of range and number of looks.\n\n";
+
+/// The form of a file, and all parameters.
+fn form() -> String {
+    let word = |kind: &Kind| match kind {
+        Kind::Word(words) => {
+            format!(": {}", words.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(", "))
+        }
+        _ => String::new(),
+    };
+    let of = |parameter: &Parameter| match parameter.of {
+        Of::File(section) => format!("[{section}] "),
+        Of::Layout | Of::Map => String::new(),
+    };
+    let line = |parameter: &Parameter| {
+        format!("  {:<22}  {}{}{}\n", parameter.key, of(parameter), parameter.about, word(&parameter.kind))
+    };
+    let parameters: String = PARAMETERS.iter().map(line).collect();
+    format!("{FORM}Parameters; those with a [table] are in the place of what scene or family say there:\n{parameters}")
+}
 
 /// Options of `sweep`.
 #[derive(Debug, Args)]
-#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true, after_help = FORM)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true, after_help = form())]
 pub struct SweepOptions {
     /// A part of it
     #[command(subcommand)]
@@ -42,7 +58,7 @@ pub struct SweepOptions {
     /// Folder for manifest, shards, table and pictures [default: results/sweep- and the file's name]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Number of shards [default: one for 500 jobs, at least 64]
+    /// Number of shards [default: one for 100 jobs, at least 64]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = count(MOST_SHARDS))]
     pub shards: Option<u32>,
     /// Take the place of another sweep in the folder, whose results then do not count any more
@@ -81,7 +97,7 @@ pub struct PlanOptions {
     /// Folder for the manifest [default: results/sweep- and the file's name]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Number of shards [default: one for 500 jobs, at least 64]
+    /// Number of shards [default: one for 100 jobs, at least 64]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = count(MOST_SHARDS))]
     pub shards: Option<u32>,
     /// Take the place of another manifest, whose results then do not count any more

@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use scene::reader::read;
+use scene::reader::{read, with};
 use scene::{Family, Scene, SceneError, Variation};
 use serde::{Deserialize, Serialize};
 
+use super::parameters::{Settings, number_of, overrides};
 use crate::digest::Running;
 use crate::failure::Failure;
 
@@ -21,12 +22,11 @@ pub struct Site {
     pub family: bool,
 }
 
-/// What a file says.
-pub enum Source {
-    /// A family.
-    Family(Box<Family>),
-    /// A scene, its text and where it is from.
-    Scene(Box<Scene>, String, PathBuf),
+/// A file's text, which was read without a problem.
+pub struct Source {
+    text: String,
+    path: PathBuf,
+    family: bool,
 }
 
 impl Site {
@@ -39,24 +39,28 @@ impl Site {
         Ok(Self::open(path, family)?.0)
     }
 
-    fn open(path: &Path, family: bool) -> Result<(Self, Source), Failure> {
+    /// Reads and checks a file, and gives what it says.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load).
+    pub fn open(path: &Path, family: bool) -> Result<(Self, Source), Failure> {
         let text = read(path)?;
         let mut digest = Running::default();
         digest.add(text.as_bytes());
-        let source = if family {
-            Source::Family(Box::new(Family::parse(&text, path)?))
+        if family {
+            Family::parse(&text, path)?;
         } else {
             let scene = Scene::parse(&text, path, None)?;
             digest.add(format!("{:?} {:?}", scene.obstacles, scene.known).as_bytes());
-            Source::Scene(Box::new(scene), text, path.to_owned())
-        };
+        }
         let file = path.to_str().ok_or_else(|| {
             Failure::BadInput(format!(
                 "{}: the name must be UTF-8 to stand in a table; rename the file",
                 path.display()
             ))
         })?;
-        Ok((Self { file: file.to_owned(), digest: digest.hex(), family }, source))
+        let site = Self { file: file.to_owned(), digest: digest.hex(), family };
+        Ok((site, Source { text, path: path.to_owned(), family }))
     }
 
     /// What the file says, if it still says what it did when the sweep was planned.
@@ -74,19 +78,34 @@ impl Site {
 }
 
 impl Source {
-    /// The scene, of a family that of a layout. `cell_m` replaces the file's cell size (m); obstacles of a family
-    /// have `size_factor` times their size.
+    /// The scene, of a family that of a layout, with the given settings.
     ///
     /// # Errors
-    /// As [`Family::scene`] and [`Scene::parse`].
-    pub fn scene(&self, layout: u64, cell_m: Option<f64>, size_factor: Option<f64>) -> Result<Scene, SceneError> {
-        match self {
-            Self::Family(family) => {
-                let variation = size_factor.map_or_else(Variation::default, |size_factor| Variation { size_factor });
-                family.scene(layout, cell_m, &variation)
-            }
-            Self::Scene(scene, ..) if cell_m.is_none() => Ok((**scene).clone()),
-            Self::Scene(_, text, path) => Scene::parse(text, path, cell_m),
+    /// As [`Family::scene`] and [`Scene::parse`]; settings that do not go together.
+    pub fn scene(&self, layout: u64, settings: &Settings) -> Result<Scene, SceneError> {
+        let (text, cell_m) = (self.with(settings)?, number_of(settings, "grid"));
+        if !self.family {
+            return Scene::parse(&text, &self.path, cell_m);
         }
+        let size_factor = number_of(settings, "size_factor");
+        let variation = size_factor.map_or_else(Variation::default, |size_factor| Variation { size_factor });
+        Family::parse(&text, &self.path)?.scene(layout, cell_m, &variation)
+    }
+
+    /// Whether the file can have the given settings; of a family no layout is made.
+    ///
+    /// # Errors
+    /// A value that this file does not know, or that does not go with its others.
+    pub fn check(&self, settings: &Settings) -> Result<(), SceneError> {
+        let text = self.with(settings)?;
+        if self.family {
+            Family::parse(&text, &self.path).map(drop)
+        } else {
+            Scene::parse(&text, &self.path, None).map(drop)
+        }
+    }
+
+    fn with(&self, settings: &Settings) -> Result<String, SceneError> {
+        with(&self.text, &self.path.display().to_string(), &overrides(settings))
     }
 }

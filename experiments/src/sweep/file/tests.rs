@@ -42,7 +42,9 @@ fn every_combination_once_and_pairs_together() {
 fn every_parameter_is_refused_beyond_its_bounds_with_its_place() {
     for parameter in &PARAMETERS {
         let (wrong, bound) = match &parameter.kind {
-            Kind::Number(limit) | Kind::Whole(limit) => (vec!["-1.0", "1e9", "nan", "\"x\"", "true"], limit.bound),
+            Kind::Number(limit) | Kind::Both(limit) | Kind::Whole(limit) => {
+                (vec!["-1.0", "1e9", "nan", "\"x\"", "true"], limit.bound)
+            }
             Kind::Word(_) => (vec!["1", "\"x\"", "[]"], "one of "),
         };
         for value in wrong {

@@ -10,13 +10,17 @@ use crate::failure::Failure;
 use crate::staging;
 use crate::sweep::file::Sweep;
 use crate::sweep::job::Job;
+use crate::sweep::parameters::{Of, Value, parameter};
 use crate::sweep::site::Site;
 
 /// A shard has about so many jobs where nobody says how many shards there are to be ...
-const JOBS_PER_SHARD: u64 = 500;
+const JOBS_PER_SHARD: u64 = 100;
 
 /// ... and there are at least so many shards, so that many workers have something to do.
 const FEWEST_SHARDS: u64 = 64;
+
+/// So many combinations of settings are tried in every place before the sweep is planned; others are rows with an error.
+const MOST_CHECKED: u64 = 10_000;
 
 /// When a manifest takes the place of another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,7 +45,7 @@ struct Place {
 /// A file of the sweep that cannot be read; another manifest in the folder, unless `replace`; I/O.
 pub fn plan(sweep: &Sweep, folder: &Path, shards: Option<u32>, replace: Replace) -> Result<Manifest, Failure> {
     let families = sweep.of_families;
-    let sites: Vec<Site> = sweep.sites.iter().map(|path| Site::load(path, families)).collect::<Result<_, _>>()?;
+    let sites: Vec<Site> = sweep.sites.iter().map(|path| site(sweep, path, families)).collect::<Result<_, _>>()?;
     let settings_count = sweep.settings_count().unwrap_or(0);
     let jobs = sweep.jobs().unwrap_or(0);
     let job = |number: u64| {
@@ -73,7 +77,7 @@ pub fn plan(sweep: &Sweep, folder: &Path, shards: Option<u32>, replace: Replace)
         jobs,
         shards,
         keys: sweep.keys().into_iter().map(str::to_owned).collect(),
-        build: build().to_owned(),
+        build: build()?.to_owned(),
         sites: sites.clone(),
     };
 
@@ -115,4 +119,27 @@ pub fn plan(sweep: &Sweep, folder: &Path, shards: Option<u32>, replace: Replace)
     }
     partial.publish(&path).map_err(|e| Failure::write(&path, &e))?;
     Manifest::open(folder)
+}
+
+/// A place of the sweep, in which all of the sweep's settings are possible.
+fn site(sweep: &Sweep, path: &Path, families: bool) -> Result<Site, Failure> {
+    let (site, source) = Site::open(path, families)?;
+    let of_file = |key: &str| parameter(key).is_some_and(|parameter| matches!(parameter.of, Of::File(_)));
+    let axes = sweep.axes.iter().filter(|axis| axis.keys.iter().any(|key| of_file(key))).cloned().collect();
+    let mut narrowed = Sweep { axes, ..sweep.clone() };
+    narrowed.set.retain(|key, _| of_file(key));
+    if narrowed.axes.is_empty() && narrowed.set.is_empty() {
+        return Ok(site);
+    }
+    for number in 0..narrowed.settings_count().unwrap_or(u64::MAX).min(MOST_CHECKED) {
+        let settings = narrowed.settings(number);
+        source.check(&settings).map_err(|error| {
+            let given = settings.iter().map(|(key, value)| match value {
+                Value::Number(number) => format!("{key} = {number}"),
+                Value::Word(word) => format!("{key} = \"{word}\""),
+            });
+            Failure::BadInput(format!("the sweep sets {}: {error}", given.collect::<Vec<_>>().join(", ")))
+        })?;
+    }
+    Ok(site)
 }
