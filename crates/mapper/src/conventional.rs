@@ -5,6 +5,7 @@ use std::sync::Arc;
 use grid::{DigitalLine, Raster};
 use sensor::{Placement, Scan, SensorModel};
 
+use crate::work::{Held as _, Work};
 use crate::{EPSILON, Mapper, catalogue::Setup};
 
 /// The rule for one cell and one reading.
@@ -76,6 +77,7 @@ pub struct Conventional {
     sensor: Arc<dyn SensorModel>,
     rule: ConventionalRule,
     line: DigitalLine,
+    cells: u64,
 }
 
 impl Conventional {
@@ -91,6 +93,7 @@ impl Conventional {
             sensor: Arc::clone(&setup.sensor),
             rule,
             line: DigitalLine::default(),
+            cells: 0,
         }
     }
 }
@@ -105,12 +108,17 @@ impl Mapper for Conventional {
                 let likelihoods = self.rule.likelihoods(&*self.sensor, reading, ray.bearing_rad, enter, exit);
                 let Some(likelihoods) = likelihoods else { break };
                 self.occupancy[cell] = self.rule.update(self.occupancy[cell], likelihoods);
+                self.cells += 1;
             }
         }
     }
 
     fn occupancy(&self) -> &Raster<f64> {
         &self.occupancy
+    }
+
+    fn work(&self) -> Work {
+        Work { cells: self.cells, bytes: self.occupancy.held() + self.line.held() }
     }
 }
 

@@ -35,6 +35,7 @@ mod reconcile;
 mod tuning;
 mod unseen;
 mod visibility;
+mod work;
 
 pub use chain::{Chain, RayPosterior};
 pub use conventional::{Conventional, ConventionalRule};
@@ -50,6 +51,7 @@ pub use reconcile::Reconciliation;
 pub use tuning::Tuning;
 pub use unseen::Unseen;
 pub use visibility::{RayRule, Visibility};
+pub use work::Work;
 
 use grid::Raster;
 use sensor::Scan;
@@ -71,4 +73,10 @@ pub trait Mapper: Send {
     /// Probability, 0 to 1, that each cell is occupied, given the scans up to the last
     /// [`settle`](Self::settle), or so far if the mapper is no batch mapper.
     fn occupancy(&self) -> &Raster<f64>;
+
+    /// What it has done since it was made, and the memory that it holds. A mapper that does not say is taken to hold
+    /// its occupancy alone.
+    fn work(&self) -> Work {
+        Work::uncounted(self.occupancy())
+    }
 }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use grid::{DigitalLine, Raster};
 use sensor::{Scan, SensorModel};
 
+use crate::work::{Held as _, Work};
 use crate::{EPSILON, Mapper, catalogue::Setup};
 
 /// A log-odds grid with one constant for a hit and one for a miss.
@@ -71,6 +72,7 @@ pub struct ConstantIncrements {
     line: DigitalLine,
     seen: Vec<Seen>,
     touched: Vec<usize>,
+    cells: u64,
 }
 
 impl ConstantIncrements {
@@ -85,6 +87,7 @@ impl ConstantIncrements {
             line: DigitalLine::default(),
             seen: vec![Seen::Nothing; cells],
             touched: Vec::new(),
+            cells: 0,
         }
     }
 
@@ -110,6 +113,7 @@ impl Mapper for ConstantIncrements {
             let Some(range) = range else { continue };
             self.line.trace(self.occupancy.spec(), ray.origin_m, ray.direction, range);
             self.mark(range);
+            self.cells += self.line.len() as u64;
         }
         for cell in self.touched.drain(..) {
             let hit = std::mem::replace(&mut self.seen[cell], Seen::Nothing) == Seen::Hit;
@@ -121,6 +125,11 @@ impl Mapper for ConstantIncrements {
 
     fn occupancy(&self) -> &Raster<f64> {
         &self.occupancy
+    }
+
+    fn work(&self) -> Work {
+        let map = self.occupancy.held() + self.log_odds.held();
+        Work { cells: self.cells, bytes: map + self.seen.held() + self.touched.held() + self.line.held() }
     }
 }
 

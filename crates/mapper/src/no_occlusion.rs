@@ -11,6 +11,7 @@ use grid::{DigitalLine, Raster};
 use sensor::{Scan, SensorModel};
 
 use crate::catalogue::Setup;
+use crate::work::{Held as _, Work};
 use crate::{Chain, ConventionalRule, Joint, Mapper, Moments, PairwiseGrid, RayPosterior, Reconciliation};
 
 /// Updates the pairs along one ray with likelihoods of every cell by itself.
@@ -95,6 +96,7 @@ pub struct NoOcclusion {
     unaries: Vec<[f64; 2]>,
     posterior: RayPosterior,
     moments: Moments,
+    cells: u64,
 }
 
 impl NoOcclusion {
@@ -110,6 +112,7 @@ impl NoOcclusion {
             unaries: Vec::new(),
             posterior: RayPosterior::default(),
             moments: Moments::new(setup.grid),
+            cells: 0,
         }
     }
 
@@ -135,6 +138,7 @@ impl Mapper for NoOcclusion {
             }));
             posterior(&self.chain, &self.unaries, &mut self.posterior);
             self.moments.add(self.line.cells(), &self.posterior); // Eq. (20)
+            self.cells += self.line.len() as u64;
         }
         self.pairs.reconcile(&mut self.moments, self.reconciliation); // Eqs. (18)-(20)
         debug_assert_eq!(self.pairs.check(), Ok(()));
@@ -142,5 +146,10 @@ impl Mapper for NoOcclusion {
 
     fn occupancy(&self) -> &Raster<f64> {
         self.pairs.marginals()
+    }
+
+    fn work(&self) -> Work {
+        let ray = self.line.held() + self.chain.held() + self.unaries.held() + self.posterior.held();
+        Work { cells: self.cells, bytes: self.pairs.held() + self.moments.held() + ray }
     }
 }

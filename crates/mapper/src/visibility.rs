@@ -7,6 +7,7 @@ use sensor::{Scan, SensorModel};
 
 use crate::beyond::{self, Beyond};
 use crate::catalogue::Setup;
+use crate::work::{Held as _, Work};
 use crate::{Chain, Mapper, Moments, PairwiseGrid, Prior, RayPosterior, Reconciliation, exact, printed};
 
 /// A rule for one ray: from the chain, `P(o | F_k)` and the likelihood beyond the last cell to the
@@ -35,6 +36,7 @@ pub struct Visibility {
     likelihood: Vec<f64>,
     posterior: RayPosterior,
     moments: Moments,
+    cells: u64,
 }
 
 impl Visibility {
@@ -76,6 +78,7 @@ impl Visibility {
             likelihood: Vec::new(),
             posterior: RayPosterior::default(),
             moments: Moments::new(setup.grid),
+            cells: 0,
         }
     }
 
@@ -100,6 +103,7 @@ impl Mapper for Visibility {
             let none = beyond::likelihood(&*self.sensor, reading, ray.bearing_rad, &beyond); // k to infinity, Eq. (7)
             (self.rule)(&self.chain, &self.likelihood, none, &mut self.posterior); // Eqs. (1), (4)-(7)
             self.moments.add(self.line.cells(), &self.posterior); // Eq. (20)
+            self.cells += self.line.len() as u64;
         }
         match self.continuity {
             Continuity::Kept => self.pairs.reconcile(&mut self.moments, self.reconciliation), // Eqs. (18)-(20)
@@ -110,5 +114,10 @@ impl Mapper for Visibility {
 
     fn occupancy(&self) -> &Raster<f64> {
         self.pairs.marginals()
+    }
+
+    fn work(&self) -> Work {
+        let ray = self.line.held() + self.chain.held() + self.likelihood.held() + self.posterior.held();
+        Work { cells: self.cells, bytes: self.pairs.held() + self.moments.held() + ray }
     }
 }
