@@ -9,6 +9,7 @@ use crate::compare::options::CompareOptions;
 use crate::gate::GateOptions;
 use crate::ray::RayOptions;
 use crate::sensor_model::SensorOptions;
+use crate::speed::SpeedOptions;
 use crate::sweep::SweepOptions;
 use crate::tune::TuneOptions;
 
@@ -45,6 +46,8 @@ pub enum Command {
     Ray(RayOptions),
     /// What a camera's reading says of range: its density and its kernel (Section 3.1, Figures 6 and 7)
     Sensor(SensorOptions),
+    /// What every mapper costs on this machine, side by side: time per cell, ray and scan, and memory
+    Speed(SpeedOptions),
     /// Make the page of a folder of results anew, from what the folder says it was made from
     Report(ReportOptions),
     /// Check a scene file and say what it holds, without mapping anything

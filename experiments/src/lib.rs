@@ -26,6 +26,7 @@ pub mod report;
 pub mod room;
 pub mod scenes;
 pub mod sensor_model;
+pub mod speed;
 pub mod staging;
 pub mod summary;
 pub mod sweep;

@@ -3,7 +3,9 @@
 use std::process::ExitCode;
 
 use clap::Parser as _;
-use experiments::{check, cli, compare, estimate, gate, generate, list, ray, rebuild, room, sensor_model, sweep, tune};
+use experiments::{
+    check, cli, compare, estimate, gate, generate, list, ray, rebuild, room, sensor_model, speed, sweep, tune,
+};
 
 fn main() -> ExitCode {
     let outcome = match cli::Cli::parse().command {
@@ -14,6 +16,7 @@ fn main() -> ExitCode {
         cli::Command::Tune(options) => tune::run(&options),
         cli::Command::Ray(options) => ray::run(&options),
         cli::Command::Sensor(options) => sensor_model::run(&options),
+        cli::Command::Speed(options) => speed::run(&options),
         cli::Command::Report(options) => rebuild::run(&options),
         cli::Command::Check(options) => check::run(&options),
         cli::Command::Scene(cli::SceneCommand::Generate(options)) => generate::run(&options),

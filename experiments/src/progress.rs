@@ -86,6 +86,28 @@ impl Jobs {
     }
 }
 
+/// Progress over measurements. Silent where stderr is not a terminal.
+pub struct Runs {
+    bar: ProgressBar,
+}
+
+impl Runs {
+    /// A bar over so many measurements.
+    pub fn new(runs: usize) -> Self {
+        Self { bar: bar(runs as u64, "{bar:32} {pos}/{len} measurements, {elapsed}") }
+    }
+
+    /// One more is finished.
+    pub fn step(&self) {
+        self.bar.inc(1);
+    }
+
+    /// Takes the bar away.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
 fn bar(length: u64, template: &str) -> ProgressBar {
     let bar = ProgressBar::new(length);
     bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()));

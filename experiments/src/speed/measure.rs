@@ -1,0 +1,182 @@
+//! Mapping the same scans by every mapper, with a clock.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use mapper::Work;
+use mapper::catalogue::{Entry, Kind, Setup};
+
+use super::scans::{ScanSet, Visited};
+use crate::failure::Failure;
+
+/// What one mapper took for the scans.
+#[derive(Debug, Clone)]
+pub struct Speed {
+    /// Name of the mapper.
+    pub mapper: &'static str,
+    /// Time of every repeat, s, least first.
+    pub seconds: Vec<f64>,
+    /// What it did and held in a repeat.
+    pub work: Work,
+}
+
+/// The mappers in the order of a repeat: each begins once before any begins twice, so that what the machine does
+/// meanwhile, and what a mapper leaves in its caches, hits all alike.
+pub fn rotated<'a, T>(mappers: &'a [T], repeat: usize) -> impl Iterator<Item = (usize, &'a T)> {
+    let first = repeat % mappers.len().max(1);
+    mappers.iter().enumerate().cycle().skip(first).take(mappers.len())
+}
+
+/// Maps the scans so many times by every mapper, in turns; `watch` is told of every map that is finished.
+///
+/// # Errors
+/// A mapper that counts its cells and did fewer than the rays ask for: its time would be worth nothing.
+pub fn measure(
+    entries: &[&'static Entry],
+    setup: &Setup,
+    set: &ScanSet,
+    visited: &Visited,
+    repeats: usize,
+    watch: impl Fn(),
+) -> Result<Vec<Speed>, Failure> {
+    let new = |entry: &&'static Entry| Speed { mapper: entry.name, seconds: Vec::new(), work: Work::default() };
+    let mut speeds: Vec<Speed> = entries.iter().map(new).collect();
+    for repeat in 0..repeats {
+        for (number, entry) in rotated(entries, repeat) {
+            let (seconds, work) = once(entry, setup, set);
+            check(entry.name, work, visited)?;
+            speeds[number].seconds.push(seconds);
+            speeds[number].work = work;
+            watch();
+        }
+    }
+    speeds.iter_mut().for_each(|speed| speed.seconds.sort_by(f64::total_cmp));
+    Ok(speeds)
+}
+
+/// One map from all scans: time, s, without that for the unseen map, and work.
+fn once(entry: &Entry, setup: &Setup, set: &ScanSet) -> (f64, Work) {
+    let mut mapper = (entry.build)(setup);
+    let start = Instant::now();
+    set.scans.iter().for_each(|scan| mapper.integrate(scan));
+    if entry.kind == Kind::Batch {
+        mapper.settle();
+    }
+    let seconds = start.elapsed().as_secs_f64();
+    black_box(mapper.occupancy());
+    (seconds, mapper.work())
+}
+
+/// Whether a mapper that counts did what the rays ask for.
+fn check(name: &str, work: Work, visited: &Visited) -> Result<(), Failure> {
+    if work.cells == 0 || work.cells >= visited.owed {
+        return Ok(());
+    }
+    Err(Failure::Internal(format!(
+        "{name}: updated {} cells; must be at least the {} that lie between sensors and ends of ranges; its time is not \
+         that of the work, and the mapper is to be mended",
+        work.cells, visited.owed
+    )))
+}
+
+impl Speed {
+    /// Time of the best repeat, s.
+    pub fn best_s(&self) -> f64 {
+        self.seconds.first().copied().unwrap_or(f64::NAN)
+    }
+
+    /// Time of the middle repeat, s; of an even number, the mean of the two.
+    pub fn median_s(&self) -> f64 {
+        let (half, odd) = (self.seconds.len() / 2, self.seconds.len() % 2 == 1);
+        match self.seconds.get(half) {
+            Some(middle) if odd => *middle,
+            Some(upper) => 0.5 * (self.seconds[half - 1] + upper),
+            None => f64::NAN,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use grid::Raster;
+    use mapper::{Mapper, Prior};
+    use sensor::{Pose, Scan, Stereo};
+
+    use super::*;
+
+    /// Updates the first cell of every ray, and says so.
+    struct Lazy {
+        occupancy: Raster<f64>,
+        cells: u64,
+    }
+
+    impl Mapper for Lazy {
+        fn integrate(&mut self, scan: &Scan) {
+            self.cells += scan.rays().filter(|ray| ray.reading.is_some()).count() as u64;
+        }
+
+        fn occupancy(&self) -> &Raster<f64> {
+            &self.occupancy
+        }
+
+        fn work(&self) -> Work {
+            Work { cells: self.cells, ..Work::default() }
+        }
+    }
+
+    const LAZY: Entry = Entry {
+        name: "lazy",
+        summary: "",
+        source: "",
+        kind: Kind::Online,
+        build: |setup| Box::new(Lazy { occupancy: Raster::filled(setup.grid, 0.5), cells: 0 }),
+    };
+
+    fn set() -> (ScanSet, Setup) {
+        let mut set = ScanSet::default();
+        set.begin(Pose::default());
+        [-0.5, 0.0, 0.5].map(|bearing| set.ray(bearing, Some(2.0)));
+        let grid = set.grid(0.1).expect("small");
+        let sensor = Arc::new(Stereo::default());
+        (set, Setup { grid, sensor, prior: Prior::default(), reconciliation: Default::default() })
+    }
+
+    #[test]
+    fn a_mapper_that_leaves_cells_out_is_caught() {
+        let (set, setup) = set();
+        let visited = set.visited(&setup.grid);
+        let error = measure(&[&LAZY], &setup, &set, &visited, 1, || ()).expect_err("three cells of sixty");
+        assert!(matches!(error, Failure::Internal(_)));
+        let message = error.to_string();
+        assert!(
+            message.starts_with(&format!("lazy: updated 3 cells; must be at least the {} ", visited.owed)),
+            "{message}"
+        );
+    }
+
+    #[test]
+    fn every_mapper_of_the_catalogue_does_its_work() {
+        let (set, setup) = set();
+        let visited = set.visited(&setup.grid);
+        let entries: Vec<&'static Entry> = mapper::catalogue::MAPPERS.iter().collect();
+        let speeds = measure(&entries, &setup, &set, &visited, 2, || ()).expect("all work");
+        assert!(speeds.iter().all(|speed| speed.seconds.len() == 2 && speed.best_s() <= speed.median_s()));
+        let log_odds = speeds.iter().find(|speed| speed.mapper == "log-odds-octomap").expect("in the catalogue");
+        assert!((visited.owed..=visited.cells).contains(&log_odds.work.cells), "{log_odds:?} {visited:?}");
+    }
+
+    #[test]
+    fn every_mapper_has_its_turn_first() {
+        let order = |repeat| rotated(&["a", "b", "c"], repeat).map(|(_, name)| *name).collect::<String>();
+        assert_eq!([0, 1, 2, 3].map(order), ["abc", "bca", "cab", "abc"]);
+    }
+
+    #[test]
+    fn best_and_median() {
+        let of = |seconds: &[f64]| Speed { mapper: "", seconds: seconds.to_vec(), work: Work::default() };
+        let speeds = [of(&[1.0]), of(&[1.0, 3.0]), of(&[1.0, 2.0, 9.0])];
+        assert_eq!(speeds.map(|s| format!("{} {}", s.best_s(), s.median_s())), ["1 1", "1 2", "1 2"]);
+    }
+}

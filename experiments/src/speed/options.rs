@@ -1,0 +1,55 @@
+//! Options of `speed`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::cli::{Format, count, positive};
+
+/// Mappers that are measured where none are named: those that a robot would run, side by side with the ablations.
+pub(super) const MAPPERS: &str =
+    "visibility,independent,conventional,log-odds-octomap,log-odds-cartographer,no-occlusion";
+
+/// More repeats than this only take time.
+const MOST_REPEATS: u32 = 1000;
+
+/// Options of `speed`.
+#[derive(Debug, Args)]
+#[command(after_long_help = FORM)]
+pub struct SpeedOptions {
+    /// Scans to map, a CSV file; its form: speed --help [default: 360 scans of 200 rays in a hall of 40 m by 40 m]
+    #[arg(long, value_name = "FILE")]
+    pub scans: Option<PathBuf>,
+    /// Mappers, comma-separated (see `list`); those that take all scans at once solve once, at the end
+    #[arg(long, value_name = "A,B", value_delimiter = ',', default_value = MAPPERS)]
+    pub mappers: Vec<String>,
+    /// Side of a cell in metres
+    #[arg(long, value_name = "M", default_value_t = 0.05, allow_negative_numbers = true, value_parser = positive)]
+    pub grid: f64,
+    /// Times that every mapper maps the scans; the best counts
+    #[arg(long, value_name = "N", default_value_t = 3, allow_negative_numbers = true, value_parser = count(MOST_REPEATS))]
+    pub repeats: u32,
+    /// Measure too how time grows with cells per ray, rays per scan, size of the map and number of scans
+    #[arg(long)]
+    pub growth: bool,
+    /// Folder for tables and pictures, written whole or not at all
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Form of the table on stdout
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
+
+const FORM: &str = "\
+A file of scans has a row per ray and a head:
+
+    scan,x_m,y_m,theta_rad,bearing_rad,range_m
+    0,1.5,2.0,0.0,-0.1,3.25
+    0,1.5,2.0,0.0,0.1,
+    1,1.6,2.0,0.0,-0.1,3.15
+
+The rows of a scan follow each other and have one pose; numbers of scans rise. A range becomes the noise-free disparity \
+that the camera of the paper would read. Without a range, or where the camera cannot see it (a depth below 0.25 m, or \
+behind the camera), the ray has no reading, and is not counted. Columns may stand in any order, among others.
+
+The map covers all poses and ends of ranges, and 1 m more on every side.";
