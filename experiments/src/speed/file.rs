@@ -1,5 +1,7 @@
 //! Scans from a CSV file.
 
+mod lines;
+
 use std::f64::consts::TAU;
 use std::fs::File;
 use std::io::{self, BufRead as _, BufReader};
@@ -9,6 +11,7 @@ use csv::StringRecord;
 use scene::reader::nearest;
 use sensor::Pose;
 
+use self::lines::Lines;
 use super::scans::ScanSet;
 use crate::failure::Failure;
 
@@ -56,7 +59,7 @@ pub fn load(path: &Path) -> Result<ScanSet, Failure> {
 /// # Errors
 /// As [`load`].
 pub fn read(source: impl io::Read, place: &str) -> Result<ScanSet, Failure> {
-    let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(source);
+    let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(Lines::new(source));
     let mut record = StringRecord::new();
     let mut table: Option<Table> = None;
     let mut set = ScanSet::default();
@@ -68,16 +71,15 @@ pub fn read(source: impl io::Read, place: &str) -> Result<ScanSet, Failure> {
             Ok(true) => {}
             Err(error) => return Err(broken(place, line, &error)),
         }
-        line = reader.position().line().saturating_sub(1).max(line);
-        let at = record.position().map_or(line, csv::Position::line);
+        line = reader.position().line() - 1; // every line has its end, and so has this row's
         let Some(table) = &table else {
-            table = Some(Table::of(&record, place, at)?);
+            table = Some(Table::of(&record, place, line)?);
             continue;
         };
         if set.rays() == MOST_RAYS {
-            return Err(refuse(place, at, &format!("must be at most {MOST_RAYS} rows; split the file")));
+            return Err(refuse(place, line, &format!("must be at most {MOST_RAYS} rows; split the file")));
         }
-        let row = Row { record: &record, table, place, line: at };
+        let row = Row { record: &record, table, place, line };
         row.add(&mut set, &mut number)?;
     }
     if table.is_none() {

@@ -1,0 +1,283 @@
+//! `speed` as a user meets it: its forms, the cells that it counts, and files that it refuses. Nothing here depends on
+//! how fast anything is.
+
+mod checked;
+
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+use std::process::Output;
+
+use assert_cmd::Command;
+use experiments::speed::file;
+use experiments::speed::growth::{self, Against, Sizes};
+use mapper::catalogue::find;
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+use checked::checked;
+
+const HEAD: &str = "scan,x_m,y_m,theta_rad,bearing_rad,range_m\n";
+
+/// Two scans, with rays that have no reading: no range, too near, and behind the camera.
+const SCANS: &str = "scan,x_m,y_m,theta_rad,bearing_rad,range_m
+0,0.3,0.4,0.1,-0.5,1.37
+0,0.3,0.4,0.1,0.0,2.2
+0,0.3,0.4,0.1,0.3,
+0,0.3,0.4,0.1,0.5,3.71
+3,0.93,1.12,-2.0,-0.4,0.1
+3,0.93,1.12,-2.0,0.2,0.83
+3,0.93,1.12,-2.0,3.0,1.0
+3,0.93,1.12,-2.0,0.6,2.46
+";
+
+fn speed(folder: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::cargo_bin("experiments").expect("built");
+    command.current_dir(folder).arg("speed").args(arguments).output().expect("starts")
+}
+
+/// A folder with a file of scans.
+fn with(text: &str) -> TempDir {
+    let folder = TempDir::new().expect("temporary folder");
+    fs::write(folder.path().join("scans.csv"), text).expect("writable");
+    folder
+}
+
+fn json(folder: &Path, arguments: &[&str]) -> Value {
+    let (out, _) = checked(0, &arguments, &speed(folder, arguments));
+    serde_json::from_str(&out).expect("JSON")
+}
+
+/// Cells from the sensor to the end of a ray, by the grid lines between them: one more than there are.
+fn crossed(origin: [f64; 2], end: [f64; 2], low: [f64; 2], cell_m: f64) -> u64 {
+    let line = |v: f64, k: usize| ((v - low[k]) / cell_m).floor();
+    1 + (0..2).map(|k| (line(end[k], k) - line(origin[k], k)).abs() as u64).sum::<u64>()
+}
+
+#[test]
+fn cells_visited_are_those_of_a_count_by_hand() {
+    let rows: Vec<Vec<f64>> = SCANS
+        .lines()
+        .skip(1)
+        .filter(|line| !line.ends_with(','))
+        .map(|line| line.split(',').map(|field| field.parse().expect("number")).collect())
+        .collect();
+    let end = |row: &[f64]| [row[1] + row[5] * (row[3] + row[4]).cos(), row[2] + row[5] * (row[3] + row[4]).sin()];
+    let all = || rows.iter().flat_map(|row| [[row[1], row[2]], end(row)]);
+    let low = [0, 1].map(|k| all().map(|point| point[k]).fold(f64::INFINITY, f64::min) - 1.0);
+    let seen = || rows.iter().filter(|row| (0.25..f64::INFINITY).contains(&(row[5] * row[4].cos())));
+    let folder = with(SCANS);
+    for cell_m in [0.05, 0.07, 0.3] {
+        let expected: u64 = seen().map(|row| crossed([row[1], row[2]], end(row), low, cell_m)).sum();
+        let text = cell_m.to_string();
+        let arguments = ["--scans", "scans.csv", "--grid", &text, "--repeats", "2", "--format", "json"];
+        let found = json(folder.path(), &arguments);
+        for row in found["rows"].as_array().expect("rows") {
+            assert_eq!(row["cells_visited"], expected, "{cell_m}: {row}");
+            assert_eq!((&row["rays"], &row["scans"]), (&json!(5), &json!(2)));
+            let updated = row["cells_updated"].as_u64().expect("all of these count");
+            let exact = row["mapper"].as_str().is_some_and(|name| name.starts_with("log-odds"));
+            // A range that ends on a grid line, as the farthest do, may end on either side of it.
+            assert!(updated + 1 >= expected && (!exact || updated <= expected + 1), "{row}");
+        }
+    }
+}
+
+#[test]
+fn every_form_has_the_same_rows() {
+    let folder = with(SCANS);
+    let base =
+        ["--scans", "scans.csv", "--grid", "0.1", "--repeats", "1", "--mappers", "conventional,prior", "--format"];
+    let form = |name: &'static str| [&base[..], &[name]].concat();
+    let found = json(folder.path(), &form("json"));
+    assert_eq!(found["schema_version"], 1);
+    let rows = found["rows"].as_array().expect("rows");
+    assert_eq!(
+        rows.iter().map(|row| row["mapper"].as_str()).collect::<Vec<_>>(),
+        [Some("conventional"), Some("prior")]
+    );
+    let promised = ["mapper", "cells_visited", "ns_per_cell", "rays_per_s", "scans_per_s", "bytes_per_cell"];
+    for row in rows {
+        assert!(promised.iter().skip(1).all(|key| row[key].as_f64().is_some_and(|value| value > 0.0)), "{row}");
+    }
+    assert!(rows[0]["cells_updated"].is_u64() && rows[1]["cells_updated"].is_null(), "prior does not count");
+
+    let (csv, _) = checked(0, &"csv", &speed(folder.path(), &form("csv")));
+    let heads: Vec<&str> = csv.lines().next().expect("a head").split(',').collect();
+    assert_eq!(heads[..6], promised);
+    let keys = rows[0].as_object().expect("object").keys().map(String::as_str).collect::<BTreeSet<_>>();
+    assert_eq!(heads.iter().copied().collect::<BTreeSet<_>>(), keys);
+
+    let (text, _) = checked(0, &"text", &speed(folder.path(), &form("text")));
+    assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
+    for part in ["One thread of ", "A cell visited lies between", "conventional", "5 rays with a reading"] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+}
+
+#[test]
+fn a_folder_has_table_and_record() {
+    let folder = with(SCANS);
+    let arguments = ["--scans", "scans.csv", "--grid", "0.2", "--repeats", "1", "--out", "out"];
+    let (_, err) = checked(0, &arguments, &speed(folder.path(), &arguments));
+    assert!(err.contains("speed.csv"), "{err}");
+    let table = fs::read_to_string(folder.path().join("out/speed.csv")).expect("written");
+    assert_eq!(table.lines().count(), 1 + 6, "{table}");
+    let record: Value =
+        serde_json::from_slice(&fs::read(folder.path().join("out/run.json")).expect("written")).expect("JSON");
+    assert_eq!(record["files"], json!(["run.json", "speed.csv"]));
+    assert_eq!(record["configuration"]["scans"], "scans.csv");
+}
+
+#[test]
+fn files_with_a_mistake_are_refused_where_it_is() {
+    let row = "0,1,2,0,0,3\n";
+    let cases = [
+        ("", "scans.csv:1: is empty; the first line must be scan,x_m,"),
+        (HEAD, "scans.csv:1: no rows; "),
+        (
+            "scan,x_m,y_m,theta_rad,bearing,range_m\n",
+            "scans.csv:1: column bearing_rad: is missing, the nearest is \"bearing\"",
+        ),
+        ("scan,x_m,x_m,y_m,theta_rad,bearing_rad,range_m\n", "scans.csv:1: column x_m: is there twice"),
+        ("H0,1,2,0,0\n", "scans.csv:2: 5 fields; must be 6"),
+        ("H0,1,2,0,0,3,4\n", "scans.csv:2: 7 fields; must be 6"),
+        ("HR0.5,1,2,0,0,3\n", "scans.csv:3: column scan: \"0.5\": must be a whole number, 0 or more; "),
+        ("HR-1,1,2,0,0,3\n", "scans.csv:3: column scan: \"-1\": must be a whole number"),
+        ("H5,1,2,0,0,3\n4,1,2,0,0,3\n", "scans.csv:3: column scan: \"4\": must be 5 or more, as in the row before; "),
+        ("HR0,1,2.5,0,0,3\n", "scans.csv:3: column y_m: \"2.5\": must be 2, the pose of scan 0 in its first row; "),
+        ("HR0,1,2,0.1,0,3\n", "scans.csv:3: column theta_rad: \"0.1\": must be 0, the pose"),
+        ("HRR1,nan,2,0,0,3\n", "scans.csv:4: column x_m: \"nan\": must be a finite number of metres, "),
+        ("H0,inf,2,0,0,3\n", "scans.csv:2: column x_m: \"inf\": must be a finite number"),
+        (
+            "H0,1e7,2,0,0,3\n",
+            "scans.csv:2: column x_m: \"1e7\": must be a finite number of metres, -1000000 to 1000000",
+        ),
+        ("H0,,2,0,0,3\n", "scans.csv:2: column x_m: \"\": must be a finite number"),
+        (
+            "H0,1,2,0,45,3\n",
+            "scans.csv:2: column bearing_rad: \"45\": must be a finite number of radians, -6.2832 to 6.2832",
+        ),
+        ("H0,1,2,0,0,inf\n", "scans.csv:2: column range_m: \"inf\": must be empty, or a finite number of metres"),
+        ("H0,1,2,0,0,-3\n", "scans.csv:2: column range_m: \"-3\": must be empty, or a finite number of metres, 0 to"),
+        ("H0,1,2,0,0,far\n", "scans.csv:2: column range_m: \"far\": must be empty, or"),
+        ("H0,1,2,0,0,\n", "scans.csv: column range_m: none of 1 rays has a range that the camera can see"),
+        ("H0,1,2,0,0,0.2\n", "scans.csv: column range_m: none of 1 rays"),
+        ("HR1,9e5,9e5,0,0,3\n", "scans.csv: poses and ranges with 1 m around them are 18000"),
+    ];
+    for (text, expected) in cases {
+        let folder = with(&text.replace('H', HEAD).replace('R', row));
+        let (out, err) = checked(2, &text, &speed(folder.path(), &["--scans", "scans.csv", "--repeats", "1"]));
+        assert!(out.is_empty() && err.starts_with("error: ") && err.contains(expected), "{text:?}: {err}");
+        assert_eq!(err.lines().count(), 1, "{text:?}: {err}");
+    }
+}
+
+#[test]
+fn what_is_no_text_is_refused() {
+    let folder = with("");
+    for (bytes, expected) in [
+        ([HEAD.as_bytes(), b"0,1,2,0,0,3\n0,\xff,2,0,0,3\n"].concat(), "scans.csv:3: is no UTF-8 text"),
+        (vec![0; 10_000], "scans.csv:1: no table: the first line must be scan,"),
+    ] {
+        fs::write(folder.path().join("scans.csv"), bytes).expect("writable");
+        let (_, err) = checked(2, &expected, &speed(folder.path(), &["--scans", "scans.csv"]));
+        assert!(err.contains(expected), "{err}");
+    }
+    for (path, expected) in [("none.csv", "none.csv: cannot be read: "), (".", ".: cannot be read: is no file")] {
+        let (_, err) = checked(2, &path, &speed(folder.path(), &["--scans", path]));
+        assert!(err.contains(expected), "{err}");
+    }
+}
+
+#[test]
+fn lines_are_counted_as_an_editor_counts_them() {
+    for (text, line) in [
+        ("H0,1,2,0,0,3\r\n0,1,2,0,x,3\r\n", 3),
+        ("H\n\n0,1,2,0,0,3\n\n0,1,2,0,x,3\n", 6),
+        ("\u{feff}H0,1,2,0,x,3\n", 2),
+        ("H0,1,2,0,0,3\n0,1,2,0,x,3", 3),
+    ] {
+        let head = if text.contains('\r') { HEAD.replace('\n', "\r\n") } else { HEAD.to_owned() };
+        let error = file::read(text.replace('H', &head).as_bytes(), "f").expect_err(text).to_string();
+        assert!(error.starts_with(&format!("f:{line}: column bearing_rad: \"x\"")), "{text:?}: {error}");
+    }
+}
+
+#[test]
+fn columns_stand_in_any_order_among_others() {
+    let text = "range_m,time_s,scan, bearing_rad,y_m,x_m,theta_rad\n1.5,99,7,0.0,2,1,0\n,99,7,0.1,2,1,-0\n";
+    let set = file::read(text.as_bytes(), "f").expect("valid");
+    assert_eq!((set.scans.len(), set.rays()), (1, 2));
+    assert_eq!((set.scans[0].pose.x_m, set.scans[0].pose.y_m, set.scans[0].bearings_rad[1]), (1.0, 2.0, 0.1));
+    let readings = &set.scans[0].readings;
+    assert!((readings[0].expect("seen") - 10.0).abs() < 1e-12 && readings[1].is_none());
+}
+
+#[test]
+fn a_long_file_is_read_row_by_row() {
+    let mut text = HEAD.to_owned();
+    for row in 0..200_000 {
+        let _ = writeln!(text, "{},{},2,0,{},3", row / 100, row / 100 % 7, f64::from(row % 100) * 0.01 - 0.5);
+    }
+    let set = file::read(text.as_bytes(), "f").expect("valid");
+    assert_eq!((set.scans.len(), set.rays()), (2000, 200_000));
+}
+
+#[test]
+fn usage_that_cannot_work_is_refused_before_any_work() {
+    let folder = with(SCANS);
+    for (arguments, expected) in [
+        (&["--mappers", "visibilty"][..], "the nearest is 'visibility'"),
+        (&["--mappers", "mrf", "--growth"], "--growth: 'mrf' solves for all scans at once"),
+        (&["--growth", "--format", "csv"], "name a folder for both with --out"),
+        (&["--repeats", "0"], "0 is not in 1..=1000"),
+        (&["--grid", "-1"], "above 0"),
+        (&["--grid", "0.0001"], "must be at most 25000000 cells; use larger cells with --grid"),
+    ] {
+        let arguments = [arguments, &["--scans", "scans.csv"]].concat();
+        let (out, err) = checked(2, &arguments, &speed(folder.path(), &arguments));
+        assert!(out.is_empty() && err.contains(expected), "{arguments:?}: {err}");
+    }
+}
+
+#[test]
+fn batch_mappers_are_measured_where_they_are_asked_for() {
+    let folder = with(SCANS);
+    let arguments =
+        ["--scans", "scans.csv", "--grid", "0.2", "--repeats", "1", "--mappers", "mrf,forward-em", "--format", "json"];
+    let found = json(folder.path(), &arguments);
+    assert_eq!(found["rows"].as_array().map(Vec::len), Some(2));
+    let arguments = ["--scans", "scans.csv", "--grid", "0.2", "--repeats", "1", "--format", "csv"];
+    let (csv, _) = checked(0, &arguments, &speed(folder.path(), &arguments));
+    assert!(!csv.contains("mrf") && !csv.contains("printed"), "{csv}");
+}
+
+#[test]
+fn growth_has_a_time_for_every_size_of_every_mapper() {
+    let entries = ["log-odds-octomap", "visibility"].map(|name| find(name).expect("in the catalogue"));
+    let sizes = Sizes {
+        cells_per_ray: vec![10, 30],
+        rays_per_scan: vec![5, 9],
+        map_cells: vec![10_000, 12_100],
+        scans: vec![1, 2, 3],
+    };
+    let seen = std::cell::Cell::new(0);
+    let curves = growth::measure(&entries, &sizes, 1, || seen.set(seen.get() + 1)).expect("measured");
+    assert_eq!(seen.get(), growth::steps(&sizes, 2, 1));
+    assert_eq!(curves.len(), 2 * Against::ALL.len());
+    for curve in &curves {
+        let expected: &[f64] = match curve.against {
+            Against::CellsPerRay => &[10.0, 30.0],
+            Against::RaysPerScan => &[5.0, 9.0],
+            Against::MapCells => &[10_000.0, 12_100.0],
+            Against::Scans => &[1.0, 2.0, 3.0],
+        };
+        assert_eq!(curve.points.iter().map(|(size, _)| *size).collect::<Vec<_>>(), expected);
+        assert!(curve.points.iter().all(|(_, seconds)| *seconds > 0.0 && seconds.is_finite()), "{curve:?}");
+        assert!(curve.exponent().is_some_and(f64::is_finite), "{curve:?}");
+    }
+    assert_eq!(growth::table(&curves).rows().len(), 2 * (2 + 2 + 2 + 3));
+    assert!(growth::draw(&curves).expect("drawn").starts_with(b"\x89PNG"));
+}
