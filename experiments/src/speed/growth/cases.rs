@@ -18,6 +18,10 @@ const CELL_M: f64 = 0.05;
 /// Depth, m, of the wall that the scan sees in maps of every size: inside the smallest, which reaches 2.5 m.
 const DEPTH_M: f64 = 2.0;
 
+/// Scans of the drive are taken in steps of so many, round and round, so that the first of them are spread over it like
+/// all: prime to their number.
+const STRIDE: usize = 139;
+
 /// A map to be made, and what from.
 pub(super) struct Case {
     /// Empty map and belief.
@@ -43,7 +47,8 @@ impl Case {
             Against::Scans => {
                 let set = hall.scans();
                 let grid = around(&set)?;
-                vec![Self::new(grid, set.scans, sizes.scans.iter().map(|&scans| scans as f64).collect())]
+                let scans = (0..set.scans.len()).map(|k| set.scans[k * STRIDE % set.scans.len()].clone()).collect();
+                vec![Self::new(grid, scans, sizes.scans.iter().map(|&scans| scans as f64).collect())]
             }
         })
     }
@@ -97,6 +102,19 @@ mod tests {
             assert_eq!(line.len(), cells);
             assert!((line.ranges()[cells] - range).abs() < 1e-9, "inside the map");
         }
+    }
+
+    #[test]
+    fn the_scans_of_the_drive_are_all_there_in_another_order() {
+        let hall = Hall::new().expect("valid");
+        let case = Case::all(Against::Scans, &Sizes::default(), &hall).expect("small").remove(0);
+        let times = |scans: &[Scan]| {
+            let mut times: Vec<f64> = scans.iter().map(|scan| scan.time_s).collect();
+            times.sort_by(f64::total_cmp);
+            times
+        };
+        assert_eq!(times(&case.scans), times(&hall.scans().scans));
+        assert!(case.scans[1].time_s > 1.0);
     }
 
     #[test]

@@ -7,6 +7,7 @@ use super::{Against, Curve};
 use crate::failure::Failure;
 use crate::figures::chart::{self, Axis, Chart, Mark, Series};
 use crate::figures::ink::LINES;
+use crate::speed::tables::grouped;
 use crate::table::{Table, aligned, optional, rounded};
 
 /// One row per mapper, axis and size; the exponent is that of the whole curve.
@@ -27,14 +28,14 @@ pub fn text(curves: &[Curve]) -> String {
     for curve in curves.iter().filter(|curve| curve.against == Against::ALL[0]) {
         let exponent = |against: Against| {
             let own = curves.iter().find(|other| other.mapper == curve.mapper && other.against == against);
-            own.and_then(Curve::exponent).map_or_else(|| "-".to_owned(), |exponent| format!("{exponent:.2}"))
+            own.and_then(Curve::exponent).map_or_else(|| "-".to_owned(), shown)
         };
         rows.push([curve.mapper.to_owned()].into_iter().chain(Against::ALL.map(exponent)).collect());
     }
     let spans = Against::ALL.map(|against| {
         let sizes = || curves.iter().filter(|curve| curve.against == against).flat_map(|curve| &curve.points);
         let ends = sizes().fold((f64::INFINITY, 0.0), |(a, b): (f64, f64), (x, _)| (a.min(*x), b.max(*x)));
-        format!("  {:14} {:>6} to {}\n", against.heading(), ends.0, ends.1)
+        format!("  {:14} {:>6} to {}\n", against.heading(), grouped(ends.0 as u64), grouped(ends.1 as u64))
     });
     format!(
         "Growth: the exponent of time, fitted to times at several sizes in cells of\n0.05 m (1: in proportion, 0: not at all)\n\n{}\n{}",
@@ -62,38 +63,45 @@ impl Against {
         }
     }
 
-    fn title(self) -> &'static str {
+    /// What stands upwards, and its unit in seconds.
+    fn ordinate(self) -> (&'static str, f64) {
         match self {
-            Self::CellsPerRay => "time per ray, µs",
-            Self::RaysPerScan | Self::MapCells => "time per scan, µs",
-            Self::Scans => "time of all scans, µs",
+            Self::CellsPerRay => ("time per ray, µs", 1e-6),
+            Self::RaysPerScan | Self::MapCells => ("time per scan, ms", 1e-3),
+            Self::Scans => ("time of all scans, s", 1.0),
         }
     }
+}
+
+/// An exponent with two decimals, and no minus zero.
+fn shown(exponent: f64) -> String {
+    format!("{:.2}", (100.0 * exponent).round() / 100.0 + 0.0)
 }
 
 /// None where there is nothing to draw.
 fn chart(curves: &[Curve], against: Against) -> Option<Chart> {
     let own = || curves.iter().filter(|curve| curve.against == against);
+    let (title, unit_s) = against.ordinate();
     let ends = |values: &mut dyn Iterator<Item = f64>| {
         values.fold((f64::INFINITY, 0.0), |(a, b): (f64, f64), value| (a.min(value), b.max(value)))
     };
     let (left, right) = ends(&mut own().flat_map(|curve| &curve.points).map(|(size, _)| *size));
-    let (bottom, top) = ends(&mut own().flat_map(|curve| &curve.points).map(|(_, seconds)| 1e6 * seconds));
+    let (bottom, top) = ends(&mut own().flat_map(|curve| &curve.points).map(|(_, seconds)| seconds / unit_s));
     if right <= left || !(bottom > 0.0 && top.is_finite()) {
         return None;
     }
     let name = |curve: &Curve| match curve.exponent() {
-        Some(exponent) => format!("{}: {exponent:.2}", curve.mapper),
+        Some(exponent) => format!("{}: {}", curve.mapper, shown(exponent)),
         None => curve.mapper.to_owned(),
     };
     let series = own().enumerate().map(|(k, curve)| Series {
         name: name(curve),
-        points: curve.points.iter().map(|(size, seconds)| (*size, Some(1e6 * seconds))).collect(),
+        points: curve.points.iter().map(|(size, seconds)| (*size, Some(seconds / unit_s))).collect(),
         mark: if k < LINES.len() { Mark::Ring } else { Mark::Triangle },
         colour: LINES[k % LINES.len()],
     });
     Some(Chart {
-        title: format!("{}, with its exponent", against.title()),
+        title: format!("{title}, with its exponent"),
         x: Axis::logarithmic(against.heading(), 0.8 * left..1.25 * right),
         // The legend stands above the lines.
         y: Axis::logarithmic("", 0.7 * bottom..30.0 * top),
