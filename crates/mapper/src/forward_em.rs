@@ -11,6 +11,7 @@ use sensor::{Scan, SensorModel};
 use crate::catalogue::Setup;
 use crate::climb::{Climb, Values};
 use crate::readings::Readings;
+use crate::work::{Held as _, Work};
 use crate::{EPSILON, Mapper};
 
 /// At most so many expectation and maximisation steps.
@@ -163,5 +164,10 @@ impl Mapper for ForwardEm {
 
     fn occupancy(&self) -> &Raster<f64> {
         &self.occupancy
+    }
+
+    /// Does not count cells; keeps every reading.
+    fn work(&self) -> Work {
+        Work { cells: 0, bytes: self.occupancy.held() + self.map.held() + self.readings.held() }
     }
 }

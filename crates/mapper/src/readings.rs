@@ -7,6 +7,7 @@ use sensor::{Ray, Scan, SensorModel};
 
 use crate::beyond::{self, Beyond};
 use crate::catalogue::Setup;
+use crate::work::Held;
 
 /// Every ray with a reading: its cells and what each of them would explain. 12 bytes per cell of a ray.
 pub(crate) struct Readings {
@@ -88,5 +89,12 @@ impl Readings {
     /// `P(o | no cell of the ray is occupied)`.
     pub(crate) fn none(&self, ray: usize) -> f64 {
         self.none[ray]
+    }
+}
+
+impl Held for Readings {
+    fn held(&self) -> usize {
+        let rays = self.none.held() + self.ends.held();
+        self.line.held() + self.cells.held() + self.likelihood.held() + rays
     }
 }

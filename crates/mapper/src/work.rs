@@ -10,7 +10,8 @@ pub struct Work {
     /// Cells that its rays were updated over, a cell once for every ray that it was updated for; 0 of a mapper that
     /// does not count.
     pub cells: u64,
-    /// Memory, bytes: the map, and the working state that is kept from one scan to the next.
+    /// Memory, bytes: the map, the readings of a mapper that keeps them, and the working state that is kept from one
+    /// scan to the next.
     pub bytes: usize,
 }
 
