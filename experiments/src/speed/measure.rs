@@ -22,7 +22,7 @@ pub struct Speed {
 
 /// The mappers in the order of a repeat: each begins once before any begins twice, so that what the machine does
 /// meanwhile, and what a mapper leaves in its caches, hits all alike.
-pub fn rotated<'a, T>(mappers: &'a [T], repeat: usize) -> impl Iterator<Item = (usize, &'a T)> {
+pub fn rotated<T>(mappers: &[T], repeat: usize) -> impl Iterator<Item = (usize, &T)> {
     let first = repeat % mappers.len().max(1);
     mappers.iter().enumerate().cycle().skip(first).take(mappers.len())
 }
@@ -137,7 +137,7 @@ mod tests {
     fn set() -> (ScanSet, Setup) {
         let mut set = ScanSet::default();
         set.begin(Pose::default());
-        [-0.5, 0.0, 0.5].map(|bearing| set.ray(bearing, Some(2.0)));
+        [-0.5, 0.0, 0.5].into_iter().for_each(|bearing| set.ray(bearing, Some(2.0)));
         let grid = set.grid(0.1).expect("small");
         let sensor = Arc::new(Stereo::default());
         (set, Setup { grid, sensor, prior: Prior::default(), reconciliation: Default::default() })

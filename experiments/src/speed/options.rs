@@ -29,7 +29,8 @@ pub struct SpeedOptions {
     /// Times that every mapper maps the scans; the best counts
     #[arg(long, value_name = "N", default_value_t = 3, allow_negative_numbers = true, value_parser = count(MOST_REPEATS))]
     pub repeats: u32,
-    /// Measure too how time grows with cells per ray, rays per scan, size of the map and number of scans
+    /// Measure too how time grows with cells per ray, rays per scan, cells of the map and scans, in cells of 5 cm
+    /// whatever --scans and --grid say
     #[arg(long)]
     pub growth: bool,
     /// Folder for tables and pictures, written whole or not at all

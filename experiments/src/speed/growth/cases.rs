@@ -9,7 +9,7 @@ use sensor::{Camera, Pose, Scan, Stereo};
 
 use super::{Against, Sizes};
 use crate::failure::Failure;
-use crate::speed::hall::{Hall, RAYS};
+use crate::speed::hall::{Hall, RAYS, SCANS};
 use crate::speed::scans::ScanSet;
 
 /// Side of a cell, m.
@@ -47,7 +47,8 @@ impl Case {
             Against::Scans => {
                 let set = hall.scans();
                 let grid = around(&set)?;
-                let scans = (0..set.scans.len()).map(|k| set.scans[k * STRIDE % set.scans.len()].clone()).collect();
+                let most = sizes.scans.iter().copied().max().unwrap_or(0).min(SCANS);
+                let scans = (0..most).map(|k| set.scans[k * STRIDE % SCANS].clone()).collect();
                 vec![Self::new(grid, scans, sizes.scans.iter().map(|&scans| scans as f64).collect())]
             }
         })
