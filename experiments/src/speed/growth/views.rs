@@ -22,26 +22,42 @@ pub fn table(curves: &[Curve]) -> Table {
     table
 }
 
-/// The exponents for reading, a row per mapper, at most 80 columns wide.
+/// For reading, a row per mapper, at most 80 columns wide: exponents, and times at the largest sizes.
 pub fn text(curves: &[Curve]) -> String {
     let mut rows: Vec<Vec<String>> = Vec::new();
     for curve in curves.iter().filter(|curve| curve.against == Against::ALL[0]) {
-        let exponent = |against: Against| {
+        let told = |against: Against| {
             let own = curves.iter().find(|other| other.mapper == curve.mapper && other.against == against);
-            own.and_then(Curve::exponent).map_or_else(|| "-".to_owned(), shown)
+            let exponent = own.and_then(Curve::exponent).map_or_else(|| "-".to_owned(), shown);
+            let last = own.and_then(|own| own.points.last()).map(|(_, seconds)| time(*seconds));
+            format!("{exponent} {:>7}", last.unwrap_or_default())
         };
-        rows.push([curve.mapper.to_owned()].into_iter().chain(Against::ALL.map(exponent)).collect());
+        rows.push([curve.mapper.to_owned()].into_iter().chain(Against::ALL.map(told)).collect());
     }
     let spans = Against::ALL.map(|against| {
         let sizes = || curves.iter().filter(|curve| curve.against == against).flat_map(|curve| &curve.points);
         let ends = sizes().fold((f64::INFINITY, 0.0), |(a, b): (f64, f64), (x, _)| (a.min(*x), b.max(*x)));
-        format!("  {:14} {:>6} to {}\n", against.heading(), grouped(ends.0 as u64), grouped(ends.1 as u64))
+        let [low, high] = [ends.0, ends.1].map(|end| grouped(end as u64));
+        format!("  {:14} {low:>6} to {high:10} {}\n", against.heading(), against.timed())
     });
     format!(
-        "Growth: the exponent of time, fitted to times at several sizes in cells of\n0.05 m (1: in proportion, 0: not at all)\n\n{}\n{}",
+        "Growth: the exponent of time, fitted to times at several sizes (1: in\nproportion, 0: not at all), and the time at the \
+         largest, in cells of 0.05 m\n\n{}\n{}",
         aligned(&["mapper"].into_iter().chain(Against::ALL.map(Against::heading)).collect::<Vec<_>>(), &rows),
         spans.concat()
     )
+}
+
+/// A time with three digits, in seven letters at most.
+fn time(seconds: f64) -> String {
+    let units = [("s", 1.0), ("ms", 1e-3), ("µs", 1e-6), ("ns", 1e-9)];
+    let (unit, value) = units
+        .map(|(unit, size)| (unit, seconds / size))
+        .into_iter()
+        .find(|(_, v)| *v >= 0.9995)
+        .unwrap_or(("ns", 1e9 * seconds));
+    let decimals = if value < 9.995 { 2 } else { usize::from(value < 99.95) };
+    format!("{value:.decimals$} {unit}")
 }
 
 /// A chart for each axis with a line for each mapper, as a PNG.
@@ -60,6 +76,16 @@ impl Against {
             Self::RaysPerScan => "rays per scan",
             Self::MapCells => "cells of map",
             Self::Scans => "scans",
+        }
+    }
+
+    /// What the time is of.
+    fn timed(self) -> &'static str {
+        match self {
+            Self::CellsPerRay => "one ray",
+            Self::RaysPerScan => "one scan",
+            Self::MapCells => "the same scan",
+            Self::Scans => "all of them",
         }
     }
 
@@ -130,7 +156,14 @@ mod tests {
         let text = text(&curves());
         assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
         let row = text.lines().find(|line| line.starts_with("log-odds-cartographer")).expect("a row");
-        assert_eq!(row.split_whitespace().skip(1).collect::<Vec<_>>(), ["0.50"; 4]);
+        assert_eq!(row.split_whitespace().skip(1).collect::<Vec<_>>().join(" "), ["0.50 1.00 µs"; 4].join(" "));
+    }
+
+    #[test]
+    fn times_have_three_digits_and_exponents_no_minus_zero() {
+        let shown_times = [1e-10, 0.9994e-6, 0.9996e-6, 12.345e-3, 99.96e-3, 11.3, 1234.0].map(time);
+        assert_eq!(shown_times, ["0.10 ns", "999 ns", "1.00 µs", "12.3 ms", "100 ms", "11.3 s", "1234 s"]);
+        assert_eq!([-0.004, -0.006, 0.849].map(shown), ["0.00", "-0.01", "0.85"]);
     }
 
     #[test]
