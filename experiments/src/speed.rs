@@ -15,7 +15,6 @@ pub use options::SpeedOptions;
 use std::io::{self, Write as _};
 use std::sync::Arc;
 
-use mapper::Prior;
 use mapper::catalogue::Setup;
 use sensor::Stereo;
 
@@ -103,7 +102,7 @@ fn conditions(options: &SpeedOptions, set: &ScanSet) -> Result<(Setup, Condition
         )));
     }
     let stereo = Stereo::default();
-    let setup = Setup { grid, sensor: Arc::new(stereo), prior: Prior::default(), reconciliation: Default::default() };
+    let setup = Setup::new(grid, Arc::new(stereo));
     let processor = processor::name();
     let conditions = Conditions { source, scans: set.scans.len(), visited, grid, repeats: options.repeats, processor };
     Ok((setup, conditions))

@@ -77,7 +77,6 @@ mod tests {
     use grid::GridSpec;
     use sensor::{Pose, Scan, Stereo};
 
-    use crate::Prior;
     use crate::catalogue::{MAPPERS, Setup};
 
     /// Three rays along a row of 40 cells: two readings of 15 / 10 = 1.5 m, in cell 30, and none.
@@ -85,7 +84,7 @@ mod tests {
     fn every_mapper_that_counts_counts_rays_times_cells() {
         let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: 40, height: 1 };
         let sensor = Arc::new(Stereo::default());
-        let setup = Setup { grid, sensor, prior: Prior::default(), reconciliation: Default::default() };
+        let setup = Setup::new(grid, sensor);
         let pose = Pose { x_m: 0.01, y_m: 0.025, theta_rad: 0.0 };
         let readings = vec![Some(10.0), None, Some(10.0)];
         let scan = Scan { time_s: 0.0, pose, bearings_rad: vec![0.0; 3], readings };
@@ -111,7 +110,7 @@ mod tests {
         let bytes = |width| {
             let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width, height: 10 };
             let sensor = Arc::new(Stereo::default());
-            let setup = Setup { grid, sensor, prior: Prior::default(), reconciliation: Default::default() };
+            let setup = Setup::new(grid, sensor);
             MAPPERS.iter().map(|entry| (entry.build)(&setup).work().bytes).collect::<Vec<_>>()
         };
         for (small, large) in bytes(100).into_iter().zip(bytes(1000)) {

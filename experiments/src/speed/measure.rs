@@ -101,7 +101,7 @@ mod tests {
     use std::sync::Arc;
 
     use grid::Raster;
-    use mapper::{Mapper, Prior};
+    use mapper::Mapper;
     use sensor::{Pose, Scan, Stereo};
 
     use super::*;
@@ -140,7 +140,7 @@ mod tests {
         [-0.5, 0.0, 0.5].into_iter().for_each(|bearing| set.ray(bearing, Some(2.0)));
         let grid = set.grid(0.1).expect("small");
         let sensor = Arc::new(Stereo::default());
-        (set, Setup { grid, sensor, prior: Prior::default(), reconciliation: Default::default() })
+        (set, Setup::new(grid, sensor))
     }
 
     #[test]

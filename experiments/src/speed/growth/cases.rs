@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use grid::GridSpec;
-use mapper::Prior;
 use mapper::catalogue::Setup;
 use sensor::{Camera, Pose, Scan, Stereo};
 
@@ -55,12 +54,7 @@ impl Case {
     }
 
     fn new(grid: GridSpec, scans: Vec<Scan>, sizes: Vec<f64>) -> Self {
-        let setup = Setup {
-            grid,
-            sensor: Arc::new(Stereo::default()),
-            prior: Prior::default(),
-            reconciliation: Default::default(),
-        };
+        let setup = Setup::new(grid, Arc::new(Stereo::default()));
         Self { setup, scans, sizes }
     }
 }
