@@ -9,10 +9,13 @@
 
 mod camera;
 mod clustering;
+pub mod lanes;
 mod matcher;
 mod normal;
 mod scan;
 mod stereo;
+
+use lanes::{Beams, Lanes};
 
 pub use camera::Camera;
 pub use clustering::{Clustering, Mismatches};
@@ -42,6 +45,30 @@ pub trait SensorModel: Send + Sync {
     /// `ranges` never decreases and is one longer than `likelihood`.
     fn likelihood(&self, reading: f64, bearing: f64, ranges: &[f64], likelihood: &mut [f64]);
 
+    /// The same for several rays at once, in single precision: `likelihood[k][l]` is that of lane `l` in the chord
+    /// `ranges[k][l] ..= ranges[k + 1][l]`. It may differ from [`likelihood`](Self::likelihood) by 5e-6 of its value.
+    fn likelihood_lanes(&self, beams: &Beams, ranges: &[Lanes<f64>], likelihood: &mut [Lanes<f32>]) {
+        lanes::one_by_one(self, beams, ranges, likelihood);
+    }
+
+    /// `P(o | a surface at range r)` and its derivative with respect to the range, per m, for ranges (m) of every
+    /// lane, both as accurate as [`likelihood_lanes`](Self::likelihood_lanes); false where the sensor cannot say.
+    fn point_lanes(
+        &self,
+        _beams: &Beams,
+        _ranges: &[Lanes<f64>],
+        _likelihood: &mut [Lanes<f32>],
+        _slope: &mut [Lanes<f32>],
+    ) -> bool {
+        false
+    }
+
+    /// Range (m) from which on a chord of the given length (m) is so short that the likelihood is nearly constant
+    /// over it, to one part in four; infinite where the sensor cannot say.
+    fn smooth_from(&self, _bearing: f64, _chord_m: f64) -> f64 {
+        f64::INFINITY
+    }
+
     /// Range (m) along the ray from which on `P(o | F_k)` no longer changes, so that a chain need not be
     /// followed further; infinite where it always does.
     fn settled_from(&self, _reading: f64, _bearing: f64) -> f64 {
@@ -57,6 +84,18 @@ pub trait SensorModel: Send + Sync {
     /// Probability that a reading of an obstacle in the chord `enter ..= exit` falls into the bin
     /// `reading` +- `half_width`, if it is a correct match: `P(o | F_k, T)` as a probability.
     fn bin_probability(&self, reading: f64, half_width: f64, bearing: f64, enter: f64, exit: f64) -> f64;
+
+    /// Range (m) up to which a chord is [`Nearer`](Placement::Nearer) than `reading` +- `half_width` and its
+    /// [`bin_probability`](Self::bin_probability) is 0, so that no chord need be asked about; 0 where the sensor cannot say.
+    fn clear_until(&self, _reading: f64, _half_width: f64, _bearing: f64) -> f64 {
+        0.0
+    }
+
+    /// Range (m) such that every chord that begins beyond it is [`Behind`](Placement::Behind) `reading` +-
+    /// `half_width`; infinite where the sensor cannot say.
+    fn behind_from(&self, _reading: f64, _half_width: f64, _bearing: f64) -> f64 {
+        f64::INFINITY
+    }
 
     /// Probability that a false match falls into a bin of the given half width:
     /// `P(o | F_k, not T)` as a probability.

@@ -1,6 +1,7 @@
 //! The standard normal distribution, exact in its tails.
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
+use std::sync::LazyLock;
 
 /// Beyond this many standard deviations the density is below 1e-15 and counts as nothing, beside anything else.
 pub(crate) const REACH: f64 = 8.5;
@@ -50,17 +51,31 @@ pub(crate) fn mean_density(low: f64, high: f64, reach: f64) -> f64 {
     density(middle) * (1.0 + width * width * (middle * middle - 1.0) / 24.0)
 }
 
-/// Antiderivative of the cumulative distribution: `x Phi(x) + phi(x)`.
+/// Antiderivative of the cumulative distribution: `x Phi(x) + phi(x)`, to 1e-12, from a table.
 pub(crate) fn cumulative_integral(x: f64) -> f64 {
     if x < -REACH {
-        0.0
-    } else if x > REACH {
-        x
-    } else {
-        let cumulative = if x < 0.0 { tail(x) } else { 1.0 - tail(x) };
-        x * cumulative + density(x)
+        return 0.0;
     }
+    let Some([[a, da], [b, db]]) = INTEGRALS.get(((x + REACH) * PER_UNIT) as usize) else { return x };
+    // The cubic that has value and slope at both ends, error below step^4 / 384 times the fourth derivative.
+    let t = ((x + REACH) * PER_UNIT).fract();
+    let s = 1.0 - t;
+    (a * (1.0 + 2.0 * t) + da * t) * s * s + (b * (1.0 + 2.0 * s) - db * s) * t * t
 }
+
+/// Steps of the table per unit.
+const PER_UNIT: f64 = 256.0;
+
+/// Value and slope times step, at both ends of every step from `-REACH` to `REACH`.
+static INTEGRALS: LazyLock<Vec<[[f64; 2]; 2]>> = LazyLock::new(|| {
+    let steps = (2.0 * REACH * PER_UNIT) as usize;
+    let at = |k: usize| {
+        let x = k as f64 / PER_UNIT - REACH;
+        let cumulative = if x < 0.0 { tail(x) } else { 1.0 - tail(x) };
+        [x * cumulative + density(x), cumulative / PER_UNIT]
+    };
+    (0..steps).map(|k| [at(k), at(k + 1)]).collect()
+});
 
 #[cfg(test)]
 mod tests {
@@ -84,6 +99,17 @@ mod tests {
             assert!((series - exact).abs() < 2e-13, "{middle}: {series} {exact}");
             assert!((mean_density(middle, middle, REACH) - density(middle)).abs() < 1e-16);
         }
+    }
+
+    #[test]
+    fn the_table_is_the_cumulative_integral() {
+        for k in -90_000..=90_000 {
+            let x = f64::from(k) * 1.000_37e-4;
+            let cumulative = if x < 0.0 { tail(x) } else { 1.0 - tail(x) };
+            let error = cumulative_integral(x) - (x * cumulative + density(x));
+            assert!(error.abs() < 1e-12, "{x}: {error}");
+        }
+        assert!(cumulative_integral(f64::INFINITY).is_infinite());
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::lanes::{Beams, Chords, Gaussian, Lanes, Points};
 use crate::{Placement, SensorModel, normal};
 
 /// A stereo camera as a sensor model: disparity is Gaussian about `focal_baseline / depth` with
@@ -61,6 +62,18 @@ impl Stereo {
         let reach = libm::sqrt(2.0 * libm::log(correct / least).max(0.0));
         reach.clamp(normal::REACH, normal::FARTHEST)
     }
+
+    fn lanes(&self, beams: &Beams) -> Gaussian {
+        let cosine = beams.bearing_rad.map(libm::cos);
+        Gaussian {
+            disparity_range: cosine.map(|c| if c > 0.0 { self.focal_baseline / c } else { f64::INFINITY }),
+            reading: beams.reading,
+            sharpness: 1.0 / self.disparity_sigma,
+            scale: (self.correct_match / self.disparity_sigma) as f32,
+            floor: ((1.0 - self.correct_match) / self.max_disparity) as f32,
+            reach: self.reach() as f32,
+        }
+    }
 }
 
 impl SensorModel for Stereo {
@@ -82,6 +95,30 @@ impl SensorModel for Stereo {
             *l = scale * g + false_match;
             near = far;
         }
+    }
+
+    fn likelihood_lanes(&self, beams: &Beams, ranges: &[Lanes<f64>], likelihood: &mut [Lanes<f32>]) {
+        debug_assert_eq!(ranges.len(), likelihood.len() + 1);
+        let (lanes, reach) = (self.lanes(beams), self.reach());
+        let exact = |low, high| normal::mean_density(low, high, reach);
+        pulp::Arch::new().dispatch(Chords { lanes: &lanes, ranges, likelihood, exact });
+    }
+
+    fn point_lanes(
+        &self,
+        beams: &Beams,
+        ranges: &[Lanes<f64>],
+        likelihood: &mut [Lanes<f32>],
+        slope: &mut [Lanes<f32>],
+    ) -> bool {
+        let lanes = self.lanes(beams);
+        pulp::Arch::new().dispatch(Points { lanes: &lanes, ranges, likelihood, slope });
+        true
+    }
+
+    /// Where a chord is a quarter of a standard deviation.
+    fn smooth_from(&self, bearing: f64, chord_m: f64) -> f64 {
+        libm::sqrt(4.0 * chord_m * self.focal_baseline / (libm::cos(bearing).abs() * self.disparity_sigma))
     }
 
     /// Where the Gaussian of the farthest disparities no longer reaches the reading.
@@ -121,6 +158,19 @@ impl SensorModel for Stereo {
         // The mean over the chord's disparities d of Phi(high - d) - Phi(low - d).
         let integral = |edge: f64| normal::cumulative_integral(edge - far) - normal::cumulative_integral(edge - near);
         ((integral(high) - integral(low)) / span).clamp(0.0, 1.0)
+    }
+
+    /// Where the Gaussian of the farthest disparity no longer reaches the bin, and a little before.
+    fn clear_until(&self, reading: f64, half_width: f64, bearing: f64) -> f64 {
+        let least = reading + half_width + 1.001 * normal::REACH * self.disparity_sigma;
+        let cosine = libm::cos(bearing);
+        if cosine > 0.0 && least > 0.0 { self.focal_baseline / (least * cosine) } else { 0.0 }
+    }
+
+    fn behind_from(&self, reading: f64, half_width: f64, bearing: f64) -> f64 {
+        let least = reading - half_width;
+        let cosine = libm::cos(bearing);
+        if cosine > 0.0 && least > 0.0 { (1.0 + 1e-9) * self.focal_baseline / (least * cosine) } else { f64::INFINITY }
     }
 
     fn false_match_probability(&self, half_width: f64) -> f64 {
@@ -260,6 +310,23 @@ mod tests {
             let sum: f64 = (0..n).map(|i| density(reading - half_width + (f64::from(i) + 0.5) * step)).sum();
             let bin = STEREO.bin_probability(reading, half_width, 0.0, enter, enter + chord);
             prop_assert!((sum * step - bin).abs() < 1e-5, "{} {bin}", sum * step);
+        }
+
+        #[test]
+        fn what_is_clear_or_behind_needs_no_asking(
+            reading in 0.0f64..60.0, w in 0.01f64..2.0, bearing in -1.2f64..1.2, share in 0.0f64..1.0, chord in 0.0f64..0.1,
+        ) {
+            let clear_m = STEREO.clear_until(reading, w, bearing);
+            let (enter, exit) = (share * (clear_m - chord).max(0.0), share * (clear_m - chord).max(0.0) + chord);
+            if exit <= clear_m {
+                prop_assert_eq!(STEREO.placement(reading, w, bearing, enter, exit), Placement::Nearer);
+                prop_assert_eq!(STEREO.bin_probability(reading, w, bearing, enter, exit).to_bits(), 0.0f64.to_bits());
+            }
+            let behind_m = STEREO.behind_from(reading, w, bearing);
+            if behind_m.is_finite() {
+                let from = behind_m * (1.0 + 1e-12) + share;
+                prop_assert_eq!(STEREO.placement(reading, w, bearing, from, from + chord), Placement::Behind);
+            }
         }
 
         #[test]
