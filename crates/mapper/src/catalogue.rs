@@ -6,8 +6,8 @@ use grid::GridSpec;
 use sensor::SensorModel;
 
 use crate::{
-    ConstantIncrements, Conventional, ConventionalRule, Field, ForwardEm, LogOdds, Mapper, Mrf, NoOcclusion, Prior,
-    Reconciliation, Tuning, Unseen, Visibility,
+    ConstantIncrements, Conventional, ConventionalRule, Field, ForwardEm, Lockstep, LogOdds, Mapper, Mrf, NoOcclusion,
+    Prior, Reconciliation, Tuning, Unseen, Visibility,
 };
 
 /// What a mapper is made from.
@@ -71,6 +71,13 @@ pub const MAPPERS: &[Entry] = &[
         summary: "the paper's method: occlusion and continuity, summed exactly",
         source: "Eqs. (1)-(7), (18)-(20)",
         kind: Kind::Online,
+        build: |setup| Box::new(Lockstep::visibility(setup)),
+    },
+    Entry {
+        name: "visibility-reference",
+        summary: "the same in double precision, ray by ray: what the fast one is held to",
+        source: "Eqs. (1)-(7), (18)-(20)",
+        kind: Kind::Online,
         build: |setup| Box::new(Visibility::exact(setup)),
     },
     Entry {
@@ -113,7 +120,7 @@ pub const MAPPERS: &[Entry] = &[
         summary: "occlusion without continuity: the exact inverse sensor model",
         source: "Kaufman et al. 2016",
         kind: Kind::Online,
-        build: |setup| Box::new(Visibility::independent(setup)),
+        build: |setup| Box::new(Lockstep::independent(setup)),
     },
     Entry {
         name: "no-occlusion",
@@ -141,14 +148,14 @@ pub const MAPPERS: &[Entry] = &[
         summary: "visibility with edges on no ray left out of the least squares",
         source: "ablation: Eq. (20)",
         kind: Kind::Online,
-        build: |setup| Box::new(Visibility::exact(&with(setup, Reconciliation::Touched))),
+        build: |setup| Box::new(Lockstep::visibility(&with(setup, Reconciliation::Touched))),
     },
     Entry {
         name: "visibility-all-edges",
         summary: "visibility with edges on no ray in the least squares",
         source: "ablation: Eq. (20)",
         kind: Kind::Online,
-        build: |setup| Box::new(Visibility::exact(&with(setup, Reconciliation::AllEdges))),
+        build: |setup| Box::new(Lockstep::visibility(&with(setup, Reconciliation::AllEdges))),
     },
     Entry {
         name: "prior",
@@ -162,7 +169,7 @@ pub const MAPPERS: &[Entry] = &[
         summary: "upper bound: visibility fed noise-free readings, and told so",
         source: "Eqs. (1)-(7), (18)-(20)",
         kind: Kind::NoiseFree,
-        build: |setup| Box::new(Visibility::exact(setup)),
+        build: |setup| Box::new(Lockstep::visibility(setup)),
     },
 ];
 

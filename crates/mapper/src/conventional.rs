@@ -102,11 +102,22 @@ impl Mapper for Conventional {
     fn integrate(&mut self, scan: &Scan) {
         for ray in scan.rays() {
             let Some(reading) = ray.reading else { continue };
-            self.line.trace(self.occupancy.spec(), ray.origin_m, ray.direction, f64::INFINITY);
-            for (k, &cell) in self.line.cells().iter().enumerate() {
-                let (enter, exit) = (self.line.ranges()[k], self.line.ranges()[k + 1]);
-                let likelihoods = self.rule.likelihoods(&*self.sensor, reading, ray.bearing_rad, enter, exit);
-                let Some(likelihoods) = likelihoods else { break };
+            let (sensor, bearing, half_width) = (&*self.sensor, ray.bearing_rad, self.rule.half_width);
+            // A chord is at most a diagonal: no cell that matters is cut short.
+            let end_m = sensor.behind_from(reading, half_width, bearing) + 3.0 * self.occupancy.spec().cell_m;
+            self.line.trace(self.occupancy.spec(), ray.origin_m, ray.direction, end_m);
+            let clear_m = sensor.clear_until(reading, half_width, bearing);
+            let seen_free = [1.0 - sensor.correct_match(), sensor.correct_match()]; // Eqs. (25), (26) with an empty bin
+            let chords = self.line.ranges().windows(2);
+            for (&cell, chord) in self.line.cells().iter().zip(chords) {
+                let likelihoods = if chord[1] <= clear_m {
+                    seen_free
+                } else {
+                    match self.rule.likelihoods(sensor, reading, bearing, chord[0], chord[1]) {
+                        Some(likelihoods) => likelihoods,
+                        None => break,
+                    }
+                };
                 self.occupancy[cell] = self.rule.update(self.occupancy[cell], likelihoods);
                 self.cells += 1;
             }

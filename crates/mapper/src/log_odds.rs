@@ -1,10 +1,14 @@
 //! The constant-increment rule that most robots run.
 
+use std::cell::OnceCell;
 use std::sync::Arc;
 
-use grid::{DigitalLine, Raster};
-use sensor::{Scan, SensorModel};
+use grid::{GridSpec, Raster};
+use pulp::{Arch, Simd, WithSimd};
+use sensor::lanes::{LANES, Lanes};
+use sensor::{Ray, Scan, SensorModel};
 
+use crate::lines::Lines;
 use crate::work::{Held as _, Work};
 use crate::{EPSILON, Mapper, catalogue::Setup};
 
@@ -35,12 +39,20 @@ impl LogOdds {
     /// 2D LIDAR SLAM", ICRA 2016.
     pub const CARTOGRAPHER: Self = Self { hit: 0.55, miss: 0.49, clamp: [0.1, 0.9], start: 0.5 };
 
-    /// Log odds of a cell after one more hit or miss; `before` is none before the first.
-    pub fn update(&self, before: Option<f64>, hit: bool) -> f64 {
-        let step = log_odds(if hit { self.hit } else { self.miss });
+    /// Log odds that a hit or a miss adds, and the clamps.
+    fn steps(&self) -> Steps {
         let [low, high] = self.clamp.map(log_odds);
-        (before.unwrap_or(log_odds(self.start)) + step).clamp(low, high)
+        Steps { hit: log_odds(self.hit), miss: log_odds(self.miss), low, high }
     }
+}
+
+/// A rule in log odds.
+#[derive(Clone, Copy)]
+struct Steps {
+    hit: f64,
+    miss: f64,
+    low: f64,
+    high: f64,
 }
 
 /// `ln(p / (1 - p))`, with `p` kept off 0 and 1.
@@ -49,8 +61,18 @@ fn log_odds(p: f64) -> f64 {
     libm::log(p / (1.0 - p))
 }
 
-/// What a scan has said of a cell so far.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// A cell of the map.
+#[derive(Clone, Copy)]
+struct Cell {
+    log_odds: f64,
+    /// What the scan has said of it so far.
+    seen: Seen,
+    /// Whether it was ever updated.
+    known: bool,
+}
+
+/// What a scan has said of a cell so far; more is stronger.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Seen {
     Nothing,
     Miss,
@@ -65,71 +87,108 @@ enum Seen {
 /// dropped and clears nothing, as point clouds drop it. A cell that was never updated is unknown: it
 /// reports the prior, like the unseen cells of every other mapper.
 pub struct ConstantIncrements {
-    rule: LogOdds,
-    occupancy: Raster<f64>,
-    log_odds: Vec<Option<f64>>,
+    spec: GridSpec,
+    steps: Steps,
+    prior: f64,
+    map: Vec<Cell>,
     sensor: Arc<dyn SensorModel>,
-    line: DigitalLine,
-    seen: Vec<Seen>,
-    touched: Vec<usize>,
+    lines: Lines,
+    touched: Vec<u32>,
     cells: u64,
+    /// The map as others see it, made when it is asked for.
+    occupancy: OnceCell<Raster<f64>>,
 }
 
 impl ConstantIncrements {
     /// The unseen map.
     pub fn new(setup: &Setup, rule: LogOdds) -> Self {
-        let cells = setup.grid.cells();
+        let unknown = Cell { log_odds: log_odds(rule.start), seen: Seen::Nothing, known: false };
         Self {
-            rule,
-            occupancy: Raster::filled(setup.grid, setup.prior.marginal()),
-            log_odds: vec![None; cells],
+            spec: setup.grid,
+            steps: rule.steps(),
+            prior: setup.prior.marginal(),
+            map: vec![unknown; setup.grid.cells()],
             sensor: Arc::clone(&setup.sensor),
-            line: DigitalLine::default(),
-            seen: vec![Seen::Nothing; cells],
+            lines: Lines::default(),
             touched: Vec::new(),
             cells: 0,
+            occupancy: OnceCell::new(),
         }
     }
 
-    fn mark(&mut self, range: f64) {
-        let inside = self.line.ranges().last().is_some_and(|&end| end >= range);
-        for (k, &cell) in self.line.cells().iter().enumerate() {
-            if self.seen[cell] == Seen::Nothing {
-                self.touched.push(cell);
-            }
-            if inside && k + 1 == self.line.len() {
-                self.seen[cell] = Seen::Hit;
-            } else if self.seen[cell] == Seen::Nothing {
-                self.seen[cell] = Seen::Miss;
+    /// Marks the cells of some rays, each with the range (m) of its point; `touched` has so many of them already.
+    fn mark(&mut self, rays: &[(Ray, f64)], touched: usize) -> usize {
+        self.lines.reset(&self.spec);
+        let mut ranges = [f64::INFINITY; LANES];
+        for (lane, (ray, range)) in rays.iter().enumerate() {
+            self.lines.start(lane, &self.spec, ray.origin_m, ray.direction, *range);
+            ranges[lane] = *range;
+        }
+        let longest = LANES * (self.spec.width + self.spec.height);
+        if self.touched.len() < touched + longest {
+            self.touched.resize((touched + longest).next_power_of_two(), 0);
+        }
+        Arch::new().dispatch(Mark { mapper: self, ranges, touched })
+    }
+}
+
+/// Following rays to their points, with what the processor has; gives how many cells are touched then.
+struct Mark<'a> {
+    mapper: &'a mut ConstantIncrements,
+    ranges: Lanes<f64>,
+    touched: usize,
+}
+
+impl WithSimd for Mark<'_> {
+    type Output = usize;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> usize {
+        let Self { mapper, ranges, mut touched } = self;
+        let mut lines = mapper.lines.clone();
+        while !lines.done() {
+            let (cell, alive) = (lines.cell(), lines.alive);
+            let step = lines.step();
+            for l in 0..LANES {
+                if alive[l] > 0.0 {
+                    let here = &mut mapper.map[cell[l] as usize];
+                    mapper.touched[touched] = cell[l];
+                    touched += usize::from(here.seen == Seen::Nothing);
+                    let seen = if step.exit[l] >= ranges[l] { Seen::Hit } else { Seen::Miss };
+                    here.seen = here.seen.max(seen);
+                    mapper.cells += 1;
+                }
             }
         }
+        touched
     }
 }
 
 impl Mapper for ConstantIncrements {
     fn integrate(&mut self, scan: &Scan) {
-        for ray in scan.rays() {
-            let range = ray.reading.and_then(|reading| self.sensor.range_of(reading, ray.bearing_rad));
-            let Some(range) = range else { continue };
-            self.line.trace(self.occupancy.spec(), ray.origin_m, ray.direction, range);
-            self.mark(range);
-            self.cells += self.line.len() as u64;
+        let range = |ray: &Ray| ray.reading.and_then(|reading| self.sensor.range_of(reading, ray.bearing_rad));
+        let rays: Vec<(Ray, f64)> = scan.rays().filter_map(|ray| Some((ray, range(&ray)?))).collect();
+        let touched = rays.chunks(LANES).fold(0, |touched, rays| self.mark(rays, touched));
+        let Steps { hit, miss, low, high } = self.steps;
+        for &cell in &self.touched[..touched] {
+            let here = &mut self.map[cell as usize];
+            let step = if here.seen == Seen::Hit { hit } else { miss };
+            *here = Cell { log_odds: (here.log_odds + step).clamp(low, high), seen: Seen::Nothing, known: true };
         }
-        for cell in self.touched.drain(..) {
-            let hit = std::mem::replace(&mut self.seen[cell], Seen::Nothing) == Seen::Hit;
-            let after = self.rule.update(self.log_odds[cell], hit);
-            self.log_odds[cell] = Some(after);
-            self.occupancy[cell] = (1.0 / (1.0 + libm::exp(-after))).clamp(EPSILON, 1.0 - EPSILON);
-        }
+        self.occupancy.take();
     }
 
     fn occupancy(&self) -> &Raster<f64> {
-        &self.occupancy
+        let occupied = |cell: &Cell| {
+            let p = if cell.known { 1.0 / (1.0 + libm::exp(-cell.log_odds)) } else { return self.prior };
+            p.clamp(EPSILON, 1.0 - EPSILON)
+        };
+        self.occupancy.get_or_init(|| Raster::new(self.spec, self.map.iter().map(occupied).collect()))
     }
 
     fn work(&self) -> Work {
-        let map = self.occupancy.held() + self.log_odds.held();
-        Work { cells: self.cells, bytes: map + self.seen.held() + self.touched.held() + self.line.held() }
+        let asked = self.occupancy.get().map_or(0, |map| map.held());
+        Work { cells: self.cells, bytes: self.map.held() + self.touched.held() + asked }
     }
 }
 

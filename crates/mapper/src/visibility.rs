@@ -82,6 +82,15 @@ impl Visibility {
         }
     }
 
+    /// Goes on from another map of the same cells.
+    ///
+    /// # Panics
+    /// If it has other cells.
+    pub fn set_pairs(&mut self, pairs: PairwiseGrid) {
+        assert_eq!(pairs.spec(), self.pairs.spec(), "a map of the same cells");
+        self.pairs = pairs;
+    }
+
     /// The map with its joint probabilities.
     pub fn pairs(&self) -> &PairwiseGrid {
         &self.pairs

@@ -1,0 +1,93 @@
+//! `visibility`, fast, against its reference: one scan after the other from the same map.
+
+use std::sync::Arc;
+
+use grid::GridSpec;
+use mapper::catalogue::Setup;
+use mapper::{Lockstep, Mapper as _, PairwiseGrid, Prior, Reconciliation, Visibility};
+use proptest::prelude::*;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng as _;
+use sensor::{Pose, Scan, Stereo};
+
+/// Largest difference of any marginal or joint.
+fn difference(a: &PairwiseGrid, b: &PairwiseGrid) -> f64 {
+    let spec = *a.spec();
+    let mut largest = 0.0f64;
+    for cell in 0..spec.cells() {
+        for n in spec.neighbours(cell) {
+            let (x, y) = (a.joint(cell, n.cell), b.joint(cell, n.cell));
+            for (x, y) in [(x.ee, y.ee), (x.ef, y.ef), (x.fe, y.fe), (x.ff, y.ff)] {
+                largest = largest.max((x - y).abs());
+            }
+        }
+        largest = largest.max((a.marginals()[cell] - b.marginals()[cell]).abs());
+    }
+    largest
+}
+
+/// A scan from a random place: readings of walls, at random, and none.
+fn scan(rng: &mut ChaCha8Rng, spec: &GridSpec, columns: usize, stereo: &Stereo) -> Scan {
+    let size = [spec.width as f64 * spec.cell_m, spec.height as f64 * spec.cell_m];
+    let on_line = rng.random::<f64>() < 0.1;
+    let place = |size: f64, rng: &mut ChaCha8Rng| {
+        let at = size * rng.random::<f64>();
+        if on_line { (at / spec.cell_m).floor() * spec.cell_m } else { at }
+    };
+    let pose = Pose { x_m: place(size[0], rng), y_m: place(size[1], rng), theta_rad: 7.0 * rng.random::<f64>() };
+    let wall = size[0] * rng.random::<f64>();
+    let field = if rng.random::<f64>() < 0.1 { 6.2 } else { 1.4 };
+    let bearings_rad: Vec<f64> = (0..columns).map(|k| field * ((k as f64 + 0.5) / columns as f64 - 0.5)).collect();
+    let reading = |bearing: f64, rng: &mut ChaCha8Rng| match rng.random::<f64>() {
+        p if p < 0.15 => None,
+        p if p < 0.35 => Some(stereo.max_disparity * rng.random::<f64>()),
+        _ => Some((stereo.disparity(wall, bearing) + 0.5 * rng.random::<f64>()).clamp(0.0, stereo.max_disparity)),
+    };
+    let readings = bearings_rad.iter().map(|bearing| reading(*bearing, rng)).collect();
+    Scan { time_s: 0.0, pose, bearings_rad, readings }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+    #[test]
+    fn a_scan_differs_from_the_reference_by_less_than_a_hundred_thousandth(
+        seed: u64, width in 1usize..90, height in 1usize..90, columns in 1usize..120, cell_m in 0.02f64..0.3,
+        occupancy in 0.01f64..0.6, correlation in 0.0f64..0.99, touched: bool, continuity: bool,
+        sigma in 0.1f64..2.0, correct_match in 0.2f64..0.99,
+    ) {
+        let grid = GridSpec { cell_m, origin_m: [0.0; 2], width, height };
+        let stereo = Stereo { disparity_sigma: sigma, correct_match, ..Stereo::default() };
+        let prior = Prior { occupancy, correlation, ..Prior::default() };
+        let reconciliation = if touched { Reconciliation::Touched } else { Reconciliation::AllEdges };
+        let setup = Setup { prior, reconciliation, ..Setup::new(grid, Arc::new(stereo)) };
+        let mut fast = if continuity { Lockstep::visibility(&setup) } else { Lockstep::independent(&setup) };
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        for _ in 0..6 {
+            let mut reference = if continuity { Visibility::exact(&setup) } else { Visibility::independent(&setup) };
+            reference.set_pairs(fast.pairs());
+            let scan = scan(&mut rng, &grid, columns, &stereo);
+            fast.integrate(&scan);
+            reference.integrate(&scan);
+            let found = difference(&fast.pairs(), reference.pairs());
+            prop_assert!(found < 1e-5, "{found} at {:?}", scan.pose);
+        }
+    }
+}
+
+#[test]
+fn the_map_does_not_depend_on_the_threads() {
+    let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: 150, height: 120 };
+    let setup = Setup::new(grid, Arc::new(Stereo::default()));
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let scans: Vec<Scan> = (0..5).map(|_| scan(&mut rng, &grid, 1500, &Stereo::default())).collect();
+    let on = |threads: usize| {
+        let mut mapper = Lockstep::visibility(&setup);
+        scans.iter().for_each(|scan| mapper.integrate_on(scan, threads));
+        mapper.pairs()
+    };
+    let one = on(1);
+    assert_ne!(one, Lockstep::visibility(&setup).pairs());
+    for threads in [2, 3, 7] {
+        assert!(on(threads) == one, "{threads} threads");
+    }
+}
