@@ -48,7 +48,7 @@ impl Plan {
     /// name; too many seeds.
     pub fn new(options: &CompareOptions) -> Result<Self, Failure> {
         let mappers = match options.mappers.is_empty() {
-            true => MAPPERS.iter().filter(|entry| !is_the_reference(entry, options)).collect(),
+            true => MAPPERS.iter().filter(|entry| !maps_the_same(entry, options)).collect(),
             false => entries(&options.mappers)?,
         };
         if !mappers.iter().any(|entry| entry.name == REFERENCE) {
@@ -164,13 +164,13 @@ impl Plan {
     }
 }
 
-/// The variant of the reference that the options make it anyway.
-fn is_the_reference(entry: &Entry, options: &CompareOptions) -> bool {
-    entry.name
-        == match options.belief.reconciliation() {
-            Reconciliation::AllEdges => "visibility-all-edges",
-            Reconciliation::Touched => "visibility-touched",
-        }
+/// Whether a mapper makes the map of `visibility` anyway: its own reference, and the variant that the options make it.
+fn maps_the_same(entry: &Entry, options: &CompareOptions) -> bool {
+    let variant = match options.belief.reconciliation() {
+        Reconciliation::AllEdges => "visibility-all-edges",
+        Reconciliation::Touched => "visibility-touched",
+    };
+    ["visibility-reference", variant].contains(&entry.name)
 }
 
 /// The families of the given files.

@@ -4,7 +4,7 @@ use std::fmt;
 
 use clap::ValueEnum;
 use mapper::catalogue::Setup;
-use mapper::{Conventional, ConventionalRule, EPSILON, Field, Mapper, Mrf, Reconciliation, Visibility};
+use mapper::{Conventional, ConventionalRule, EPSILON, Field, Lockstep, Mapper, Mrf, Reconciliation};
 
 /// A mapper with parameters to fit, by its name in the catalogue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -92,7 +92,9 @@ impl Candidate {
     /// The unseen map.
     pub fn build(self, setup: &Setup) -> Box<dyn Mapper> {
         match self {
-            Self::Visibility(reconciliation) => Box::new(Visibility::exact(&Setup { reconciliation, ..setup.clone() })),
+            Self::Visibility(reconciliation) => {
+                Box::new(Lockstep::visibility(&Setup { reconciliation, ..setup.clone() }))
+            }
             Self::Conventional(rule) => Box::new(Conventional::with(setup, rule)),
             Self::Mrf(field) => Box::new(Mrf::new(setup, field)),
         }
