@@ -35,6 +35,17 @@ fn brute(world: &World, origin: [f64; 2], direction: [f64; 2]) -> Option<f64> {
     world.targets.iter().filter_map(|t| t.cast(&ray, f64::MAX)).min_by(f64::total_cmp)
 }
 
+/// The oracle of the faster test of the tree's boxes: parry's own cast, obstacle and bits of the range.
+fn by_parry(world: &World, origin: [f64; 2], direction: [f64; 2]) -> Option<(usize, u64)> {
+    let ray = Ray::new(vector(origin), vector(direction));
+    let found = world.tree.cast_ray(&ray, f64::MAX, |leaf, nearest| world.targets[leaf as usize].cast(&ray, nearest));
+    found.map(|(leaf, range_m)| (leaf as usize, range_m.to_bits()))
+}
+
+fn to_the_bit(world: &World, origin: [f64; 2], direction: [f64; 2]) -> Option<(usize, u64)> {
+    world.cast(origin, direction).map(|hit| (hit.obstacle, hit.range_m.to_bits()))
+}
+
 fn range(shape: Shape, origin: [f64; 2], direction: [f64; 2]) -> Option<f64> {
     world(vec![shape]).cast(origin, direction).map(|hit| hit.range_m)
 }
@@ -97,6 +108,32 @@ fn aimed(origin: [f64; 2], at: [f64; 2]) -> [f64; 2] {
     d.map(|v| v / length)
 }
 
+/// Boxes that touch along whole sides, looked at along these sides and at their corners: where two are hit at the same
+/// range, the tree must meet the same one first.
+#[test]
+fn ties_go_to_the_obstacle_that_parry_meets_first() {
+    let tiles =
+        (0..400).map(|k| [f64::from(k % 20), f64::from(k / 20)]).filter(|[x, y]| (x - 9.5).hypot(y - 9.5) > 4.0);
+    let world = world(tiles.map(|[x, y]| upright([x, y], [x + 1.0, y + 1.0])).collect());
+    let tiny = f64::MIN_POSITIVE * 1e-10;
+    let mut ties = 0;
+    for origin in [[10.0, 10.0], [10.0, 9.5], [9.75, 10.0], [-3.0, 7.0], [5.0, 30.0]] {
+        let corners = (0..=20).flat_map(|x| (0..=20).map(move |y| [f64::from(x), f64::from(y)]));
+        let along = [[1.0, 0.0], [-1.0, -0.0], [0.0, 1.0], [-0.0, -1.0], [1.0, tiny], [-tiny, -1.0]];
+        let directions = corners.filter(|&corner| corner != origin).map(|corner| aimed(origin, corner)).chain(along);
+        for direction in directions {
+            assert_eq!(to_the_bit(&world, origin, direction), by_parry(&world, origin, direction), "{direction:?}");
+            let ray = Ray::new(vector(origin), vector(direction));
+            let ranges = world.targets.iter().filter_map(|t| t.cast(&ray, f64::MAX));
+            ties += usize::from(
+                brute(&world, origin, direction)
+                    .is_some_and(|nearest| ranges.filter(|range| range.to_bits() == nearest.to_bits()).count() > 1),
+            );
+        }
+    }
+    assert!(ties > 20, "{ties}");
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
@@ -112,6 +149,7 @@ proptest! {
         for room in [world(seams()), world(halves())] {
             for direction in [unit(angle), aimed(origin, target), along] {
                 let hit = room.cast(origin, direction);
+                prop_assert_eq!(to_the_bit(&room, origin, direction), by_parry(&room, origin, direction));
                 prop_assert!(hit.is_some(), "{:?} {:?}", origin, direction);
                 let range = hit.map_or(0.0, |h| h.range_m);
                 for k in 0..2 {
@@ -139,6 +177,7 @@ proptest! {
             (Some(a), Some(b)) => prop_assert!((a - b).abs() < 1e-12, "{} {}", a, b),
             (a, b) => prop_assert_eq!(a, b),
         }
+        prop_assert_eq!(to_the_bit(&world, origin, direction), by_parry(&world, origin, direction));
     }
 
     #[test]
