@@ -41,6 +41,8 @@ pub struct Stage {
 /// Simulates the readings of a drive. The same seed gives the same readings, whatever the number
 /// of threads: scan `i` reads stream `i` of the seed, and every ray has its place in the stream.
 /// With clustered mismatches a ray's reading depends on the rays before it in its scan too.
+///
+/// Scans are shared out over the threads of rayon's pool. Memory is asked for by scans, never by rays.
 pub fn simulate(scene: &Scene, world: &World, drive: &Drive, seed: u64) -> Simulation {
     let bearings_rad = scene.camera.bearings_rad();
     let scans = drive.poses.par_iter().enumerate();
@@ -50,10 +52,9 @@ pub fn simulate(scene: &Scene, world: &World, drive: &Drive, seed: u64) -> Simul
 }
 
 fn scan(scene: &Scene, world: &World, at: &TimedPose, bearings_rad: &[f64], seed: u64, stream: u64) -> SimulatedScan {
-    let cast = |&bearing: &f64| world.cast(at.pose.position_m(), at.pose.direction(bearing));
-    let hits: Vec<Option<Hit>> = bearings_rad.iter().map(cast).collect();
     let surface = |hit: Hit| Surface { range_m: hit.range_m, texture: scene.obstacles[hit.obstacle].texture };
-    let surfaces: Vec<_> = hits.iter().map(|hit| hit.map(surface)).collect();
+    let cast = |&bearing: &f64| world.cast(at.pose.position_m(), at.pose.direction(bearing)).map(surface);
+    let surfaces: Vec<Option<Surface>> = bearings_rad.iter().map(cast).collect();
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(stream);
     let readings = scene.matcher.scan(bearings_rad, &surfaces, |ray| {
@@ -61,7 +62,7 @@ fn scan(scene: &Scene, world: &World, at: &TimedPose, bearings_rad: &[f64], seed
         rng.set_word_pos(ray as u128 * WORDS_PER_RAY);
         rng
     });
-    let true_ranges_m = hits.iter().map(|hit| hit.map(|hit| hit.range_m)).collect();
+    let true_ranges_m = surfaces.iter().map(|surface| surface.map(|s| s.range_m)).collect();
     let scan = Scan { time_s: at.time_s, pose: at.pose, bearings_rad: bearings_rad.to_vec(), readings };
     SimulatedScan { scan, true_ranges_m }
 }
