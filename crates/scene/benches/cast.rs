@@ -21,7 +21,7 @@ const SHAPES: [usize; 3] = [16, 256, 4_096];
 const MOST_TRIED: usize = 256;
 
 /// Turns of one thread and of two.
-const TURNS: usize = 15;
+const TURNS: usize = 9;
 
 /// Ranges by the tree and by trying everything may differ by this much, m: boxes are cast 1 nm larger all round, which
 /// grows along rays that graze a side.
