@@ -181,16 +181,23 @@ impl Lockstep {
             let workers = self.workers[..threads].par_iter_mut();
             workers.zip(parts).for_each(|(worker, (rays, reach))| worker.update(&world, rays, reach));
         }
-        let Some((first, others)) = self.workers.split_first_mut() else { return };
-        others.iter_mut().for_each(|other| first.tally.take(&mut other.tally, &self.map));
+        merge(&mut self.workers, &self.map);
         let until_m = silent::farthest(&self.spec, &rays, &self.reach);
-        let parts = rays.chunks(share).zip(self.reach.chunks(share)).zip(until_m.chunks(share));
-        let bookmarks = std::iter::once(&first.bookmarks).chain(others.iter().map(|other| &other.bookmarks));
-        for (((rays, reach), until_m), bookmarks) in parts.zip(bookmarks) {
-            silent::add(&world, rays, reach, until_m, bookmarks, &mut first.tally);
-        }
-        agree::agree(&self.spec, &mut self.map, self.continuity, &mut first.tally, self.reconciliation);
+        let parts = self.reach.par_chunks(share).zip(until_m.par_chunks(share));
+        self.workers[..threads].par_iter_mut().zip(parts).for_each(|(worker, (reach, until_m))| {
+            silent::add(&world, reach, until_m, &worker.bookmarks, &mut worker.tally);
+        });
+        merge(&mut self.workers, &self.map);
+        let Some(Worker { tally, .. }) = self.workers.first_mut() else { return };
+        agree::agree(&self.spec, &mut self.map, self.continuity, tally, self.reconciliation);
         self.occupancy.take();
+    }
+}
+
+/// All that workers know, in the tally of the first.
+fn merge(workers: &mut [Worker], map: &[Cell]) {
+    if let Some((first, others)) = workers.split_first_mut() {
+        others.iter_mut().for_each(|other| first.tally.take(&mut other.tally, map));
     }
 }
 

@@ -9,20 +9,13 @@ use super::bundle::{BLOCK, Reach, World};
 use super::tally::{LEFT, RIGHT, Tally};
 use crate::lines::Lines;
 
-/// Adds to the tally, of every ray, the cells from its reach on that another ray has reached, unmoved.
+/// Adds to the tally, of every ray, the cells from its reach on that another ray has reached, unmoved. Those have an
+/// entry in the first worker's tally, which the others need not be.
 ///
 /// All rays start in one place: such a cell is within the angle under which a cell is seen from there, and not
 /// farther than the ray that reached farthest within that angle.
-pub(super) fn add(
-    world: &World,
-    rays: &[Ray],
-    reach: &[Reach],
-    until_m: &[f64],
-    bookmarks: &[Vec<Lines>],
-    tally: &mut Tally,
-) {
+pub(super) fn add(world: &World, reach: &[Reach], until_m: &[f64], bookmarks: &[Vec<Lines>], tally: &mut Tally) {
     let bundles = reach.chunks(LANES).zip(until_m.chunks(LANES)).zip(bookmarks);
-    debug_assert_eq!(rays.len(), reach.len());
     for ((reach, until_m), bookmarks) in bundles {
         let open = |lane: usize| !reach[lane].whole && until_m[lane] > reach[lane].end_m;
         let Some(least) = (0..reach.len()).filter(|lane| open(*lane)).map(|lane| reach[lane].cells).min() else {
@@ -58,24 +51,27 @@ pub(super) fn add(
 
 /// A silent cell, and the edge from the one before it.
 fn count(world: &World, tally: &mut Tally, [before, cell]: [u32; 2], edge: u32, pairs: u32) {
-    let here = tally.slot(world.map, cell as usize);
-    let there = tally.slot(world.map, before as usize);
-    if here != 0 {
-        tally.cell_of(here, pairs, f64::from(world.map[cell as usize].occupied));
-    }
-    if here == 0 && there == 0 {
+    let spoken_of = |cell: u32| world.map[cell as usize].is_touched();
+    let (here, there) = (spoken_of(cell), spoken_of(before));
+    if !here && !there {
         return;
     }
-    let (low, axis) = ((edge / 2) as usize, (edge % 2) as usize);
-    let high = low + [1, world.spec.width][axis];
-    let [low_entry, high_entry] = if low == cell as usize { [here, there] } else { [there, here] };
-    if high_entry != 0 {
-        tally.at(high_entry).edges |= LEFT << axis;
+    tally.reserve(2);
+    if here {
+        let entry = tally.entry(world.map, cell);
+        tally.cell_of(entry, pairs, f64::from(world.map[cell as usize].occupied));
     }
-    if low_entry != 0 {
-        let [p, q] = [low, high].map(|cell| f64::from(world.map[cell].occupied));
-        let both = if world.continuity { f64::from(world.map[low].both[axis]) } else { p * q };
-        let entry = tally.at(low_entry);
+    let (low, axis) = (edge / 2, (edge % 2) as usize);
+    let high = low + [1, world.spec.width as u32][axis];
+    if spoken_of(high) {
+        let entry = tally.entry(world.map, high);
+        tally.at(entry).edges |= LEFT << axis;
+    }
+    if spoken_of(low) {
+        let [p, q] = [low, high].map(|cell| f64::from(world.map[cell as usize].occupied));
+        let both = if world.continuity { f64::from(world.map[low as usize].both[axis]) } else { p * q };
+        let entry = tally.entry(world.map, low);
+        let entry = tally.at(entry);
         entry.differ[axis] += super::rounded(p + q - 2.0 * both);
         entry.rays[axis] += 1;
         entry.edges |= RIGHT << axis;
