@@ -35,7 +35,7 @@ use self::world::{Job, World};
 use crate::claims::{self as claim, Claim};
 use crate::cli::Format;
 use crate::failure::Failure;
-use crate::progress::Worlds as Progress;
+use crate::progress::Count;
 use crate::staging::Staging;
 use crate::{engine, interruption, table, threads};
 
@@ -109,7 +109,7 @@ fn map_worlds(plan: &Plan, out: &Path, configuration: &str) -> Result<Vec<World>
             format!("{done} of {all} worlds are finished and kept in {place}; run the same command again to go on");
         (done > 0).then_some(kept)
     });
-    let progress = Progress::new(jobs.len());
+    let progress = Count::worlds(jobs.len());
     let worlds = engine::each(&jobs, rayon::current_num_threads(), |job| {
         let world = match journal.read(job) {
             Some(world) => world,

@@ -39,15 +39,20 @@ impl Progress {
     }
 }
 
-/// Progress over many worlds, with what is left. Silent where stderr is not a terminal.
-pub struct Worlds {
+/// Progress over things of one kind. Silent where stderr is not a terminal.
+pub struct Count {
     bar: ProgressBar,
 }
 
-impl Worlds {
-    /// A bar over so many worlds.
-    pub fn new(worlds: usize) -> Self {
+impl Count {
+    /// A bar over so many worlds, with what is left.
+    pub fn worlds(worlds: usize) -> Self {
         Self { bar: bar(worlds as u64, "{bar:32} {pos}/{len} worlds, {elapsed}, {eta} left") }
+    }
+
+    /// A bar over so many measurements, of which some take long.
+    pub fn measurements(measurements: usize) -> Self {
+        Self { bar: bar(measurements as u64, "{bar:32} {pos}/{len} measurements, {elapsed}") }
     }
 
     /// One more is finished.
@@ -78,28 +83,6 @@ impl Jobs {
         if failed > 0 {
             self.bar.set_message(format!(", {failed} failed"));
         }
-    }
-
-    /// Takes the bar away.
-    pub fn finish(&self) {
-        self.bar.finish_and_clear();
-    }
-}
-
-/// Progress over measurements. Silent where stderr is not a terminal.
-pub struct Runs {
-    bar: ProgressBar,
-}
-
-impl Runs {
-    /// A bar over so many measurements.
-    pub fn new(runs: usize) -> Self {
-        Self { bar: bar(runs as u64, "{bar:32} {pos}/{len} measurements, {elapsed}") }
-    }
-
-    /// One more is finished.
-    pub fn step(&self) {
-        self.bar.inc(1);
     }
 
     /// Takes the bar away.

@@ -25,7 +25,7 @@ use self::tables::Conditions;
 use crate::cli::Format;
 use crate::failure::Failure;
 use crate::mappers::entries;
-use crate::progress::Runs as Progress;
+use crate::progress::Count;
 use crate::staging::Staging;
 use crate::{interruption, table, threads};
 
@@ -60,7 +60,7 @@ pub fn run(options: &SpeedOptions) -> Result<(), Failure> {
 
     let (repeats, sizes) = (options.repeats as usize, Sizes::default());
     let steps = if options.growth { growth::steps(&sizes, entries.len(), repeats) } else { 0 };
-    let progress = Progress::new(entries.len() * repeats + steps);
+    let progress = Count::measurements(entries.len() * repeats + steps);
     let step = || progress.step();
     let speeds = measure::measure(&entries, &setup, &set, &conditions.visited, repeats, step)?;
     let curves = options.growth.then(|| growth::measure(&entries, &sizes, repeats, step)).transpose()?;

@@ -22,7 +22,7 @@ use crate::compare::plan::families;
 use crate::compare::world::{Belief, Job};
 use crate::engine;
 use crate::failure::Failure;
-use crate::progress::Worlds as Progress;
+use crate::progress::Count;
 use crate::staging::Staging;
 use crate::{interruption, table, threads};
 
@@ -43,7 +43,7 @@ pub fn run(options: &TuneOptions) -> Result<(), Failure> {
 
     let grids: Vec<Vec<Candidate>> = mappers.iter().map(|tuned| tuned.candidates()).collect();
     let tasks = tasks(&mappers, u64::from(options.seeds), families.len());
-    let progress = Progress::new(tasks.len());
+    let progress = Count::worlds(tasks.len());
     let errors = engine::each(&tasks, rayon::current_num_threads(), |task| {
         let family = &families[task.family];
         let job = Job {

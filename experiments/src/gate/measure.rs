@@ -9,7 +9,7 @@ use super::file::{Demand, Gate, Gates};
 use super::world::World;
 use crate::engine;
 use crate::failure::{Failure, panic_text};
-use crate::progress::Worlds as Progress;
+use crate::progress::Count;
 use crate::table::rounded;
 use crate::trial::{Ground, Keep};
 
@@ -84,7 +84,7 @@ pub fn plan(gates: &[Gate]) -> BTreeMap<World, BTreeMap<String, Wanted>> {
 /// A world that cannot be made; a mapper that is not among the known ones.
 pub fn measure(gates: &Gates, known: &[Entry], stream: u32, threads: usize) -> Result<Measured, Failure> {
     let jobs: Vec<(World, BTreeMap<String, Wanted>)> = plan(&gates.gates).into_iter().collect();
-    let progress = Progress::new(jobs.len());
+    let progress = Count::worlds(jobs.len());
     let parts = engine::each(&jobs, threads, |(world, wanted)| {
         let site = gates.sites.get(&world.family);
         let site = site.ok_or_else(|| Failure::Internal(format!("there is no family {:?}", world.family)))?;
