@@ -74,7 +74,11 @@ impl Beyond {
     /// What follows the last cell of a line traced along the unit vector `direction` over cells of
     /// side `cell_m` (m), in a world where obstacles begin with probability `onset`.
     pub fn after(line: &DigitalLine, direction: [f64; 2], cell_m: f64, onset: f64) -> Self {
-        let from_m = line.ranges().last().copied().unwrap_or(0.0);
+        Self::at(line.ranges().last().copied().unwrap_or(0.0), direction, cell_m, onset)
+    }
+
+    /// The same from the given range (m) on.
+    pub fn at(from_m: f64, direction: [f64; 2], cell_m: f64, onset: f64) -> Self {
         // A 4-connected line crosses |cos| + |sin| cells per cell side.
         Self { from_m, chord_m: cell_m / (direction[0].abs() + direction[1].abs()), onset }
     }

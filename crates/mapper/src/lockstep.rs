@@ -22,18 +22,19 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicU32;
 use std::sync::atomic::Ordering::Relaxed;
 
-use grid::{DigitalLine, GridSpec, Raster};
+use grid::{GridSpec, Raster};
 use rayon::prelude::*;
 use sensor::lanes::LANES;
 use sensor::{Ray, Scan, SensorModel};
 
 use self::bundle::{Bundle, Reach, World};
 use self::tally::Tally;
-use crate::beyond::{self, Beyond};
 use crate::catalogue::Setup;
 use crate::lines::Lines;
 use crate::pairs::bounds;
-use crate::{Chain, Mapper, PairwiseGrid, Prior, RayPosterior, Reconciliation, Work, exact};
+use crate::ray::RayUpdate;
+use crate::work::{Held as _, Work};
+use crate::{Chain, Mapper, PairwiseGrid, Prior, Reconciliation, exact};
 
 /// Scans of fewer rays are not worth waking other threads for.
 const FEW_RAYS: usize = 1024;
@@ -69,8 +70,8 @@ impl Cell {
 
 /// The mapper of the paper, and the same without continuity, in lockstep. O(cells on the ray) per ray.
 ///
-/// 12 bytes per cell, and 4 per cell and thread; 8 more once [`occupancy`](Mapper::occupancy) is asked for; working
-/// memory for what one scan touches.
+/// 16 bytes per cell, and 4 for every thread but the first; 8 more once [`occupancy`](Mapper::occupancy) is asked for;
+/// working memory for what one scan touches.
 pub struct Lockstep {
     spec: GridSpec,
     map: Vec<Cell>,
@@ -79,7 +80,6 @@ pub struct Lockstep {
     onset: f64,
     reconciliation: Reconciliation,
     workers: Vec<Worker>,
-    reach: Vec<Reach>,
     /// The map as others see it, made when it is asked for.
     occupancy: OnceCell<Raster<f64>>,
 }
@@ -88,18 +88,12 @@ pub struct Lockstep {
 struct Worker {
     bundle: Bundle,
     tally: Tally,
-    slow: Slow,
+    /// Double precision, for readings that single precision has no evidence for.
+    slow: RayUpdate,
+    /// How far each of its rays has something to say.
+    reach: Vec<Reach>,
     /// Where the lines of every bundle were, block by block.
     bookmarks: Vec<Vec<Lines>>,
-}
-
-/// Double precision, for readings that single precision has no evidence for.
-#[derive(Default)]
-struct Slow {
-    line: DigitalLine,
-    chain: Chain,
-    likelihood: Vec<f64>,
-    posterior: RayPosterior,
 }
 
 impl Lockstep {
@@ -115,10 +109,7 @@ impl Lockstep {
     }
 
     fn new(setup: &Setup, continuity: bool) -> Self {
-        Self::of(setup, continuity, &PairwiseGrid::prior(setup.grid, &setup.prior))
-    }
-
-    fn of(setup: &Setup, continuity: bool, pairs: &PairwiseGrid) -> Self {
+        let pairs = PairwiseGrid::prior(setup.grid, &setup.prior);
         let cell = |cell: usize| Cell {
             occupied: (pairs.marginal[cell] as f32).clamp(agree::LEAST, agree::MOST),
             both: [0, 1].map(|axis| pairs.both[2 * cell + axis] as f32),
@@ -132,14 +123,13 @@ impl Lockstep {
             onset: setup.prior.onset(setup.grid.cell_m),
             reconciliation: setup.reconciliation,
             workers: vec![Worker::new(Tally::first())],
-            reach: Vec::new(),
             occupancy: OnceCell::new(),
         }
     }
 
     /// The map in double precision.
     pub fn pairs(&self) -> PairwiseGrid {
-        let marginal = Raster::new(self.spec, self.map.iter().map(|cell| f64::from(cell.occupied)).collect());
+        let marginal = self.occupancy().clone();
         let mut both = vec![0.0; 2 * self.map.len()];
         for cell in 0..self.map.len() {
             for n in self.spec.neighbours(cell).filter(|n| n.cell > cell) {
@@ -171,26 +161,27 @@ impl Lockstep {
             sensor: &*self.sensor,
             onset: self.onset,
         };
-        self.reach.clear();
-        self.reach.resize(rays.len(), Reach { cells: 0, end_m: 0.0, whole: true, unlikely: false });
         let share = bundles.div_ceil(threads) * LANES;
-        if threads == 1 {
-            self.workers[0].update(&world, &rays, &mut self.reach);
-        } else {
-            let parts = rays.par_chunks(share).zip(self.reach.par_chunks_mut(share));
-            let workers = self.workers[..threads].par_iter_mut();
-            workers.zip(parts).for_each(|(worker, (rays, reach))| worker.update(&world, rays, reach));
-        }
-        merge(&mut self.workers, &self.map);
-        let until_m = silent::farthest(&self.spec, &rays, &self.reach);
-        let parts = self.reach.par_chunks(share).zip(until_m.par_chunks(share));
-        self.workers[..threads].par_iter_mut().zip(parts).for_each(|(worker, (reach, until_m))| {
-            silent::add(&world, reach, until_m, &worker.bookmarks, &mut worker.tally);
+        let workers = &mut self.workers[..threads];
+        together(workers, |k, worker| worker.update(&world, rays.chunks(share).nth(k).unwrap_or_default()));
+        merge(workers, &self.map);
+        let reach: Vec<Reach> = workers.iter().flat_map(|worker| worker.reach.iter().copied()).collect();
+        let until_m = silent::farthest(&self.spec, &rays, &reach);
+        together(workers, |k, Worker { reach, bookmarks, tally, .. }| {
+            silent::add(&world, reach, until_m.chunks(share).nth(k).unwrap_or_default(), bookmarks, tally);
         });
-        merge(&mut self.workers, &self.map);
+        merge(workers, &self.map);
         let Some(Worker { tally, .. }) = self.workers.first_mut() else { return };
         agree::agree(&self.spec, &mut self.map, self.continuity, tally, self.reconciliation);
         self.occupancy.take();
+    }
+}
+
+/// What every worker does, each told its number; one of them alone wakes no thread.
+fn together(workers: &mut [Worker], work: impl Fn(usize, &mut Worker) + Sync) {
+    match workers {
+        [only] => work(0, only),
+        several => several.par_iter_mut().enumerate().for_each(|(number, worker)| work(number, worker)),
     }
 }
 
@@ -203,46 +194,41 @@ fn merge(workers: &mut [Worker], map: &[Cell]) {
 
 impl Worker {
     fn new(tally: Tally) -> Self {
-        Self { bundle: Bundle::default(), tally, slow: Slow::default(), bookmarks: Vec::new() }
+        Self { bundle: Bundle::default(), tally, slow: RayUpdate::default(), reach: Vec::new(), bookmarks: Vec::new() }
     }
 
-    fn update(&mut self, world: &World, rays: &[Ray], reach: &mut [Reach]) {
+    fn update(&mut self, world: &World, rays: &[Ray]) {
         self.bookmarks.resize_with(rays.len().div_ceil(LANES), Vec::new);
-        for ((rays, reach), bookmarks) in rays.chunks(LANES).zip(reach.chunks_mut(LANES)).zip(&mut self.bookmarks) {
-            let reached = self.bundle.update(world, rays, &mut self.tally, bookmarks);
-            for ((ray, reach), reached) in rays.iter().zip(reach).zip(reached) {
-                *reach = if reached.unlikely { self.slow.update(world, ray, &mut self.tally) } else { reached };
+        self.reach.clear();
+        for (number, rays) in rays.chunks(LANES).enumerate() {
+            let reach = self.bundle.update(world, rays, &mut self.tally, &mut self.bookmarks[number]);
+            for (ray, reach) in rays.iter().zip(reach) {
+                let reach = if reach.unlikely { self.update_slowly(world, ray) } else { reach };
+                self.reach.push(reach);
             }
         }
     }
-}
 
-impl Slow {
-    fn update(&mut self, world: &World, ray: &Ray, tally: &mut Tally) -> Reach {
-        self.line.trace(world.spec, ray.origin_m, ray.direction, f64::INFINITY);
-        let cells = self.line.cells();
-        let end_m = self.line.ranges()[cells.len()];
-        let reach = Reach { cells: cells.len() as u32, end_m, whole: true, unlikely: true };
-        let Some(reading) = ray.reading else { return reach };
+    fn update_slowly(&mut self, world: &World, ray: &Ray) -> Reach {
         let occupied = |cell: usize| f64::from(world.map[cell].occupied);
         let both = |pair: &[usize]| {
             let edge = world.spec.edge_between(pair[0], pair[1]);
             let joint = f64::from(world.map[edge / 2].both[edge % 2]);
             if world.continuity { joint } else { occupied(pair[0]) * occupied(pair[1]) }
         };
-        self.chain =
-            Chain::new(cells.iter().map(|cell| occupied(*cell)).collect(), cells.windows(2).map(both).collect());
-        self.likelihood.resize(cells.len(), 0.0);
-        world.sensor.likelihood(reading, ray.bearing_rad, self.line.ranges(), &mut self.likelihood);
-        let beyond = Beyond::after(&self.line, ray.direction, world.spec.cell_m, world.onset);
-        let none = beyond::likelihood(world.sensor, reading, ray.bearing_rad, &beyond);
-        exact::posterior(&self.chain, &self.likelihood, none, &mut self.posterior);
+        let gather = |chain: &mut Chain, cells: &[usize]| {
+            *chain =
+                Chain::new(cells.iter().map(|cell| occupied(*cell)).collect(), cells.windows(2).map(both).collect());
+        };
+        self.slow.update(ray, world.spec, (world.sensor, world.onset), exact::posterior, gather);
+        let (RayUpdate { line, posterior, .. }, tally) = (&self.slow, &mut self.tally);
+        let cells = line.cells();
         tally.reserve(cells.len());
         if let &[only] = cells {
             let entry = tally.entry(world.map, only as u32);
-            tally.cell_of(entry, 1, rounded(self.posterior.first));
+            tally.cell_of(entry, 1, rounded(posterior.first));
         }
-        for (pair, joint) in cells.windows(2).zip(&self.posterior.pairs) {
+        for (pair, joint) in cells.windows(2).zip(&posterior.pairs) {
             let [first, second] = [pair[0], pair[1]].map(|cell| tally.entry(world.map, cell as u32));
             tally.cell_of(first, 1, rounded(joint.first()));
             tally.cell_of(second, 1, rounded(joint.second()));
@@ -250,7 +236,7 @@ impl Slow {
             let (low, high) = if edge / 2 == pair[0] { (first, second) } else { (second, first) };
             tally.pair(low, high, edge % 2, rounded(joint.ef + joint.fe));
         }
-        reach
+        Reach { cells: cells.len() as u32, end_m: line.ranges()[cells.len()], whole: true, unlikely: true }
     }
 }
 
@@ -273,9 +259,7 @@ impl Mapper for Lockstep {
         let held = self.workers.iter().map(|worker| worker.bundle.bytes() + worker.tally.bytes());
         Work {
             cells: self.workers.iter().map(|worker| worker.bundle.cells).sum(),
-            bytes: size_of_val(&*self.map)
-                + self.occupancy.get().map_or(0, |map| size_of_val(map.values()))
-                + held.sum::<usize>(),
+            bytes: self.map.held() + self.occupancy.held() + held.sum::<usize>(),
         }
     }
 }

@@ -187,8 +187,7 @@ impl Mapper for ConstantIncrements {
     }
 
     fn work(&self) -> Work {
-        let asked = self.occupancy.get().map_or(0, |map| map.held());
-        Work { cells: self.cells, bytes: self.map.held() + self.touched.held() + asked }
+        Work { cells: self.cells, bytes: self.map.held() + self.touched.held() + self.occupancy.held() }
     }
 }
 

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use grid::{DigitalLine, Raster};
+use grid::Raster;
 use sensor::{Scan, SensorModel};
 
-use crate::beyond::{self, Beyond};
 use crate::catalogue::Setup;
+use crate::ray::RayUpdate;
 use crate::work::{Held as _, Work};
 use crate::{Chain, Mapper, Moments, PairwiseGrid, Prior, RayPosterior, Reconciliation, exact, printed};
 
@@ -31,10 +31,7 @@ pub struct Visibility {
     continuity: Continuity,
     reconciliation: Reconciliation,
     onset: f64,
-    line: DigitalLine,
-    chain: Chain,
-    likelihood: Vec<f64>,
-    posterior: RayPosterior,
+    ray: RayUpdate,
     moments: Moments,
     cells: u64,
 }
@@ -73,10 +70,7 @@ impl Visibility {
             continuity: Continuity::Kept,
             reconciliation: setup.reconciliation,
             onset: setup.prior.onset(setup.grid.cell_m),
-            line: DigitalLine::default(),
-            chain: Chain::default(),
-            likelihood: Vec::new(),
-            posterior: RayPosterior::default(),
+            ray: RayUpdate::default(),
             moments: Moments::new(setup.grid),
             cells: 0,
         }
@@ -100,19 +94,12 @@ impl Visibility {
 impl Mapper for Visibility {
     fn integrate(&mut self, scan: &Scan) {
         for ray in scan.rays() {
-            let Some(reading) = ray.reading else { continue };
-            self.line.trace(self.pairs.spec(), ray.origin_m, ray.direction, f64::INFINITY);
-            if self.line.is_empty() {
-                continue;
+            let Self { pairs, ray: update, .. } = self;
+            let belief = (&*self.sensor, self.onset);
+            if update.update(&ray, pairs.spec(), belief, self.rule, |chain, cells| chain.gather(pairs, cells)) {
+                self.moments.add(update.line.cells(), &update.posterior); // Eq. (20)
+                self.cells += update.line.len() as u64;
             }
-            self.chain.gather(&self.pairs, self.line.cells()); // P(e_j, e_{j+1} | O)
-            self.likelihood.resize(self.line.len(), 0.0);
-            self.sensor.likelihood(reading, ray.bearing_rad, self.line.ranges(), &mut self.likelihood); // Eq. (21)
-            let beyond = Beyond::after(&self.line, ray.direction, self.pairs.spec().cell_m, self.onset);
-            let none = beyond::likelihood(&*self.sensor, reading, ray.bearing_rad, &beyond); // k to infinity, Eq. (7)
-            (self.rule)(&self.chain, &self.likelihood, none, &mut self.posterior); // Eqs. (1), (4)-(7)
-            self.moments.add(self.line.cells(), &self.posterior); // Eq. (20)
-            self.cells += self.line.len() as u64;
         }
         match self.continuity {
             Continuity::Kept => self.pairs.reconcile(&mut self.moments, self.reconciliation), // Eqs. (18)-(20)
@@ -126,7 +113,6 @@ impl Mapper for Visibility {
     }
 
     fn work(&self) -> Work {
-        let ray = self.line.held() + self.chain.held() + self.likelihood.held() + self.posterior.held();
-        Work { cells: self.cells, bytes: self.pairs.held() + self.moments.held() + ray }
+        Work { cells: self.cells, bytes: self.pairs.held() + self.moments.held() + self.ray.held() }
     }
 }

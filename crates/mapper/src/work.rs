@@ -1,7 +1,10 @@
 //! What a mapper has done and what it holds, for those who measure speed.
 
+use std::cell::OnceCell;
+
 use grid::{DigitalLine, Raster};
 
+use crate::ray::RayUpdate;
 use crate::{Chain, Moments, PairwiseGrid, RayPosterior};
 
 /// What a mapper has done since it was made, and the memory that it holds.
@@ -40,6 +43,13 @@ impl<T> Held for Raster<T> {
     }
 }
 
+/// What is made when it is asked for.
+impl<T: Held> Held for OnceCell<T> {
+    fn held(&self) -> usize {
+        self.get().map_or(0, Held::held)
+    }
+}
+
 impl Held for DigitalLine {
     fn held(&self) -> usize {
         size_of_val(self.cells()) + size_of_val(self.ranges())
@@ -55,6 +65,12 @@ impl Held for Chain {
 impl Held for RayPosterior {
     fn held(&self) -> usize {
         self.pairs.held() + self.scratch.held()
+    }
+}
+
+impl Held for RayUpdate {
+    fn held(&self) -> usize {
+        self.line.held() + self.chain.held() + self.likelihood.held() + self.posterior.held()
     }
 }
 

@@ -90,7 +90,7 @@ fn touched(spec: &GridSpec, map: &mut [Cell], continuity: bool, tally: &mut Tall
                 if around.edges & after != 0 && own.rays[axis] == 0 {
                     kept[axis] = keeps(rule, p, f64::from(map[cell + step].occupied), f64::from(map[cell].both[axis]));
                 }
-                if around.edges & before != 0 && tally.slot(map, cell - step) == 0 {
+                if around.edges & before != 0 && !map[cell - step].is_touched() {
                     let other = &map[cell - step];
                     // Rays that run along it say what it was.
                     let rule = if own.edges & before != 0 { Reconciliation::AllEdges } else { rule };

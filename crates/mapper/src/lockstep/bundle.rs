@@ -64,7 +64,9 @@ pub(super) struct Bundle {
     /// Ranges of a block of cells, and the likelihoods.
     ranges: Vec<Lanes<f64>>,
     likelihood: Vec<Lanes<f32>>,
+    /// The steps of the longest ray are [`taken`](Self::taken); the one after them has the transitions out of the last.
     steps: Vec<Step>,
+    taken: usize,
     /// Cells of every ray, later of its reach; 0 of a lane without one.
     length: Lanes<u32>,
     /// Cells of every ray.
@@ -168,8 +170,8 @@ impl Bundle {
         }
         let normalise = evidence.map(|evidence| 1.0 / evidence);
         let reach = self.reach(&normalise);
-        self.steps.truncate(reach.into_iter().max().unwrap_or(0) as usize + 1);
-        tally.reserve(LANES * self.steps.len());
+        self.taken = reach.into_iter().max().unwrap_or(0) as usize;
+        tally.reserve(LANES * self.taken);
         self.whole = std::mem::replace(&mut self.length, reach);
         Arch::new().dispatch(Tell(self, world, &normalise, tally));
         std::array::from_fn(|l| {
@@ -187,44 +189,45 @@ impl Bundle {
     /// Follows the rays to the border: the front pass of Eqs. (4)-(7).
     fn walk(&mut self, world: &World, beams: &Beams, bookmarks: &mut Vec<Lines>) {
         bookmarks.clear();
-        self.steps.clear();
+        self.taken = 0;
         self.length = [0; LANES];
         let before: Lanes<f32> = self.lines.cell().map(|cell| world.map[cell as usize].occupied);
         // Nothing is in front of the first cell: it follows a cell that is certainly free, and begins with its prior.
         self.front = Front { clear: [1.0; LANES], before, ..Front::default() };
         let arch = Arch::new();
-        let mut edge = [0; LANES];
-        let (mut stays, mut becomes) = ([0.0; LANES], before);
+        self.grow();
+        self.steps[0] = Step { becomes: before, ..Step::default() };
         while !self.lines.done() {
-            let from = self.steps.len();
+            let from = self.taken;
             bookmarks.push(self.lines.clone());
-            self.steps.push(Step { edge, stays, becomes, ..Step::default() });
+            self.grow();
             arch.dispatch(Trace(self, world));
-            // The last is the first of the next block.
-            if let Some(next) = self.steps.pop() {
-                Step { edge, stays, becomes, .. } = next;
-            }
             self.likelihood.resize(self.ranges.len() - 1, [0.0; LANES]);
             world.sensor.likelihood_lanes(beams, &self.ranges, &mut self.likelihood);
             arch.dispatch(Advance(self, from));
         }
     }
 
-    /// At most [`BLOCK`] cells, with the transitions into them; the last step has but those.
+    /// Makes room for a block, and the step after it.
+    fn grow(&mut self) {
+        let needed = self.taken + BLOCK + 1;
+        if self.steps.len() < needed {
+            self.steps.resize(needed, Step::default());
+        }
+    }
+
+    /// At most [`BLOCK`] cells, with the transitions into them and out of the last.
     #[inline(always)]
     fn trace(&mut self, world: &World) {
         let mut lines = self.lines.clone();
         let mut cell = lines.cell();
-        // Whole numbers up to 2^24, and a ray has fewer cells in a map of up to 2^31.
-        let mut length = each(|l| self.length[l] as f32);
+        let mut length = each(|l| f64::from(self.length[l]));
         let mut before = self.front.before;
         self.ranges.clear();
         self.ranges.push(lines.entered);
-        let mut place = self.steps.len() - 1;
-        self.steps.resize(place + BLOCK + 1, Step::default());
         for _ in 0..BLOCK {
-            let [step, following, ..] = &mut self.steps[place..] else { return };
-            length = each(|l| length[l] + lines.alive[l] as f32);
+            let [step, following, ..] = &mut self.steps[self.taken..] else { return };
+            length = each(|l| length[l] + lines.alive[l]);
             step.cell = cell;
             step.before = before;
             step.entered = lines.entered;
@@ -250,12 +253,11 @@ impl Bundle {
             following.stays = each(|l| alive[l] * t[l]);
             following.becomes = each(|l| alive[l] * u[l]);
             before = next;
-            place += 1;
+            self.taken += 1;
             if lines.done() {
                 break;
             }
         }
-        self.steps.truncate(place + 1);
         self.front.before = before;
         self.length = std::array::from_fn(|l| length[l] as u32);
         self.lines = lines;
@@ -266,7 +268,7 @@ impl Bundle {
     fn advance(&mut self, from: usize) {
         let Front { mut hit_occupied, mut hit_free, mut clear, .. } = self.front;
         let mut previous = if from == 0 { [0.0; LANES] } else { self.steps[from - 1].before };
-        for (step, likelihood) in self.steps[from..].iter_mut().zip(&self.likelihood) {
+        for (step, likelihood) in self.steps[from..self.taken].iter_mut().zip(&self.likelihood) {
             let (t, u) = (step.stays, step.becomes);
             let leaves = each(|l| hit_occupied[l] * (1.0 - t[l])); // Eq. (5)
             let begins = each(|l| (hit_free[l] + clear[l] * likelihood[l]) * u[l]); // Eq. (6)
@@ -290,8 +292,7 @@ impl Bundle {
         if wanted != [false; LANES] {
             let beyond = std::array::from_fn(|l| {
                 let direction = rays.get(l).map_or([1.0, 0.0], |ray| ray.direction);
-                let chord_m = world.spec.cell_m / (direction[0].abs() + direction[1].abs());
-                Beyond { from_m: self.lines.entered[l], chord_m, onset: world.onset }
+                Beyond::at(self.lines.entered[l], direction, world.spec.cell_m, world.onset)
             });
             none = self.tail.likelihood(world.sensor, beams, &wanted, &beyond);
         }
@@ -302,23 +303,15 @@ impl Bundle {
     fn reach(&self, normalise: &Lanes<f32>) -> Lanes<u32> {
         let mut reach = [0; LANES];
         let mut open = self.length.map(|length| length > 0);
-        for (k, step) in self.steps.iter().enumerate().rev() {
-            let mut any = false;
-            for l in 0..LANES {
+        for (k, step) in self.steps[..self.taken].iter().enumerate().rev() {
+            let speaks = each(|l| {
                 let moved = (step.after[l] * normalise[l] - step.before[l]).abs();
                 let differs = (step.becomes[l] * normalise[l] - step.stays[l]).abs();
-                any |= open[l] && (k as u32) < self.length[l] && (moved > SILENT || differs > SILENT || k == 0);
-            }
-            if !any {
-                continue;
-            }
-            for l in 0..LANES {
-                let moved = (step.after[l] * normalise[l] - step.before[l]).abs();
-                let differs = (step.becomes[l] * normalise[l] - step.stays[l]).abs();
-                if open[l] && (k as u32) < self.length[l] && (moved > SILENT || differs > SILENT || k == 0) {
-                    reach[l] = k as u32 + 1;
-                    open[l] = false;
-                }
+                open[l] && (k as u32) < self.length[l] && (moved > SILENT || differs > SILENT || k == 0)
+            });
+            for l in (0..LANES).filter(|l| speaks[*l]) {
+                reach[l] = k as u32 + 1;
+                open[l] = false;
             }
             if open == [false; LANES] {
                 break;
@@ -331,7 +324,7 @@ impl Bundle {
     #[inline(always)]
     fn tell(&mut self, world: &World, normalise: &Lanes<f32>, tally: &mut Tally) {
         let mut previous = [0usize; LANES];
-        for (k, step) in self.steps.iter().enumerate() {
+        for (k, step) in self.steps[..self.taken].iter().enumerate() {
             let occupied = rounded(&std::array::from_fn(|l| step.after[l] * normalise[l]));
             let differ = rounded(&std::array::from_fn(|l| step.becomes[l] * normalise[l]));
             for l in 0..LANES {

@@ -120,12 +120,6 @@ impl Tally {
         &mut self.entries[entry]
     }
 
-    /// Number of the entry of a cell; 0 if it has none.
-    #[inline(always)]
-    pub(super) fn slot(&self, map: &[Cell], cell: usize) -> usize {
-        self.number(map, cell).load(Relaxed) as usize
-    }
-
     /// The entry with the given number.
     pub(super) fn get(&self, entry: usize) -> &Entry {
         &self.entries[entry]
