@@ -112,9 +112,7 @@ impl Outputs<'_> {
             let picture = figures::certainty::draw(self.curve, cases::UNCHANGED)?;
             staging.write("certainty.png", |out| out.write_all(&picture))?;
         }
-        let mut files = staging.files();
-        files.push(RECORD.to_owned());
-        files.sort();
+        let files = staging.files_and(&[RECORD]);
         let record = json!({
             "schema_version": 1,
             "command": "ray",

@@ -95,9 +95,10 @@ impl Staging {
         self.partial.join(name)
     }
 
-    /// Names of the files so far, sorted.
-    pub fn files(&self) -> Vec<String> {
+    /// Names of the files so far and of those to come, sorted.
+    pub fn files_and(&self, to_come: &[&str]) -> Vec<String> {
         let mut files = self.files.clone();
+        files.extend(to_come.iter().map(|name| (*name).to_owned()));
         files.sort();
         files
     }
@@ -110,7 +111,7 @@ impl Staging {
     /// A folder where a file is to go, before anything is touched; whatever the system reports.
     pub fn publish(self) -> Result<(), Failure> {
         let stale = former_files(&self.folder);
-        let mut files = self.files();
+        let mut files = self.files_and(&[]);
         files.sort_by_key(|name| name == RECORD);
         if let Some(name) = files.iter().find(|name| self.folder.join(name).is_dir()) {
             let path = self.folder.join(name);

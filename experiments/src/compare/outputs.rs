@@ -115,9 +115,7 @@ pub fn write(
     let markdown = document::markdown(plan, claims, &document::sections(plan, rows, &pictures));
     staging.write("summary.md", |out| out.write_all(markdown.as_bytes()))?;
     record.claims.clone_from(claims);
-    record.files = staging.files();
-    record.files.extend(["report.html".to_owned(), RECORD.to_owned()]);
-    record.files.sort();
+    record.files = staging.files_and(&["report.html", RECORD]);
     let json = serde_json::to_value(&record).map_err(Failure::internal)?;
     let html = report::page(&document::page(plan, rows, &json, &pictures, viewer)?)?;
     staging.write("report.html", |out| out.write_all(html.as_bytes()))?;

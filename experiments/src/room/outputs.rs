@@ -67,9 +67,7 @@ pub(super) fn write(
         }
     }
     let pictures = pictures(staging, ground, first, stages)?;
-    record.files = staging.files();
-    record.files.extend(["report.html".to_owned(), RECORD.to_owned()]);
-    record.files.sort();
+    record.files = staging.files_and(&["report.html", RECORD]);
     let mut csv = Vec::new();
     metrics.write_csv(&mut csv).map_err(Failure::internal)?;
     let rows = page::rows(&csv).map_err(Failure::internal)?;

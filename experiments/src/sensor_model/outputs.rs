@@ -57,9 +57,7 @@ impl View {
     }
 
     fn record(&self, staging: &mut Staging, scene: &str, claims: &[Claim]) -> Result<(), Failure> {
-        let mut files = staging.files();
-        files.push(RECORD.to_owned());
-        files.sort();
+        let files = staging.files_and(&[RECORD]);
         let record = json!({
             "schema_version": 1,
             "command": "sensor",

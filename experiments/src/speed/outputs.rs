@@ -29,9 +29,7 @@ pub(super) fn write(
         let picture = growth::draw(curves)?;
         staging.write("growth.png", |out| out.write_all(&picture))?;
     }
-    let mut files = staging.files();
-    files.push(RECORD.to_owned());
-    files.sort();
+    let files = staging.files_and(&[RECORD]);
     let record = json!({
         "schema_version": 1,
         "command": "speed",

@@ -81,9 +81,7 @@ pub fn write(staging: &mut Staging, fits: &[Fit], options: &TuneOptions) -> Resu
     if let Some(picture) = figures::tuning::draw(fits)? {
         staging.write("tuning.png", |out| out.write_all(&picture))?;
     }
-    let mut files = staging.files();
-    files.push(RECORD.to_owned());
-    files.sort();
+    let files = staging.files_and(&[RECORD]);
     let chosen = fits.iter().map(|fit| (fit.tuned.name().to_owned(), json!(fit.best().to_string())));
     let record = json!({
         "schema_version": 1,
