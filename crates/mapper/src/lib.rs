@@ -36,6 +36,7 @@ mod prior;
 mod ray;
 mod readings;
 mod reconcile;
+mod tiles;
 mod tuning;
 mod unseen;
 mod visibility;

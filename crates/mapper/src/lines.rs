@@ -1,15 +1,17 @@
 //! Several digital lines traced in lockstep: the cells of [`grid::DigitalLine`], to the bit.
 
-use grid::GridSpec;
 use sensor::lanes::{LANES, Lanes, each};
+
+use crate::tiles::Numbering;
 
 /// Lines on their way, a lane to each. A lane whose line has ended stays in its last cell.
 ///
 /// All is in double precision, whole numbers too: then every operation is one on whole vectors.
-#[derive(Clone, Default)]
+#[derive(Clone)]
 pub(crate) struct Lines {
-    /// Cell that each line is in.
-    at: Lanes<f64>,
+    numbering: Numbering,
+    /// Column and row of the cell that each line is in.
+    column_row: [Lanes<u32>; 2],
     /// Range at which each line left the cell before, m.
     pub(crate) entered: Lanes<f64>,
     /// 1 where a line goes on, 0 where it has left the grid or come to its end.
@@ -18,7 +20,6 @@ pub(crate) struct Lines {
     until: Lanes<f64>,
     x: Axes,
     y: Axes,
-    cell_m: f64,
 }
 
 /// One coordinate of the lines.
@@ -37,8 +38,8 @@ struct Axes {
     never: Lanes<f64>,
     /// Steps that are left before the border.
     left: Lanes<f64>,
-    /// What a step adds to the index of a cell.
-    stride: Lanes<f64>,
+    /// What a grid line's number is ahead of that of the cell before it, with its sign changed: -1 or 0.
+    behind: Lanes<f64>,
     grid_origin: f64,
 }
 
@@ -46,7 +47,8 @@ struct Axes {
 pub(crate) struct Step {
     /// Range at which each line leaves its cell, m.
     pub(crate) exit: Lanes<f64>,
-    /// Number of the edge crossed, see [`GridSpec::edge_between`]; of a line that ends, any of the grid's.
+    /// The edge crossed: twice the number of its left or lower cell, plus one where the other is above rather than to
+    /// the right; of a line that ends, any of the grid's.
     pub(crate) edge: Lanes<u32>,
 }
 
@@ -59,41 +61,38 @@ fn whole(number: &Lanes<f64>) -> Lanes<u32> {
 
 impl Lines {
     /// No line in any lane.
-    pub(crate) fn reset(&mut self, spec: &GridSpec) {
-        *self = Self { cell_m: spec.cell_m, ..Self::default() };
-        for (axes, origin) in [&mut self.x, &mut self.y].into_iter().zip(spec.origin_m) {
-            axes.grid_origin = origin;
-            axes.never = [f64::INFINITY; LANES];
-            axes.next = [f64::INFINITY; LANES];
-        }
+    pub(crate) fn new(numbering: Numbering) -> Self {
+        let [x, y] = numbering.spec().origin_m.map(|origin| Axes {
+            grid_origin: origin,
+            never: [f64::INFINITY; LANES],
+            next: [f64::INFINITY; LANES],
+            ..Axes::default()
+        });
+        let none = [0.0; LANES];
+        Self { numbering, column_row: [[0; LANES]; 2], entered: none, alive: none, until: none, x, y }
     }
 
     /// A line from `origin` (m) along the unit vector `direction` to `until` (m) or the border of the grid; false where
     /// it starts outside the grid.
-    pub(crate) fn start(
-        &mut self,
-        lane: usize,
-        spec: &GridSpec,
-        origin: [f64; 2],
-        direction: [f64; 2],
-        until: f64,
-    ) -> bool {
+    pub(crate) fn start(&mut self, lane: usize, origin: [f64; 2], direction: [f64; 2], until: f64) -> bool {
+        let spec = *self.numbering.spec();
         let Some(cell) = spec.locate(origin) else { return false };
         let (column, row) = spec.column_row(cell);
-        self.at[lane] = cell as f64;
+        self.column_row[0][lane] = column as u32;
+        self.column_row[1][lane] = row as u32;
         self.alive[lane] = 1.0;
         self.until[lane] = until;
-        let starts = [(column, spec.width, 1), (row, spec.height, spec.width)];
-        for (k, (axes, (at, limit, stride))) in [&mut self.x, &mut self.y].into_iter().zip(starts).enumerate() {
+        let starts = [(column, spec.width), (row, spec.height)];
+        for (k, (axes, (at, limit))) in [&mut self.x, &mut self.y].into_iter().zip(starts).enumerate() {
             let (forward, still) = (direction[k] > 0.0, direction[k] == 0.0);
             axes.origin[lane] = origin[k];
             axes.inverse[lane] = if still { 0.0 } else { 1.0 / direction[k] };
             axes.never[lane] = if still { f64::INFINITY } else { 0.0 };
             axes.towards[lane] = if forward { 1.0 } else { -1.0 };
+            axes.behind[lane] = if forward { -1.0 } else { 0.0 };
             axes.line[lane] = (at + usize::from(forward)) as f64;
             axes.left[lane] = (if forward { limit - 1 - at } else { at }) as f64;
-            axes.stride[lane] = axes.towards[lane] * stride as f64;
-            axes.look_ahead(self.cell_m);
+            axes.look_ahead(spec.cell_m);
         }
         true
     }
@@ -104,10 +103,11 @@ impl Lines {
         self.alive.iter().sum::<f64>() <= 0.0
     }
 
-    /// Cell that each line is in.
+    /// Number of the cell that each line is in.
     #[inline(always)]
     pub(crate) fn cell(&self) -> Lanes<u32> {
-        whole(&self.at)
+        let [column, row] = &self.column_row;
+        self.numbering.lanes(column, row)
     }
 
     /// Every line goes on by one cell.
@@ -126,12 +126,16 @@ impl Lines {
         let goes_on = each(|l| if left[l] > 0.0 { open[l] } else { 0.0 });
         let step_x = each(|l| goes_on[l] * along_x[l]);
         let step_y = each(|l| goes_on[l] * (1.0 - along_x[l]));
-        let after = each(|l| self.at[l] + (step_x[l] * x.stride[l] + step_y[l] * y.stride[l]));
-        let low = each(|l| if self.at[l] < after[l] { self.at[l] } else { after[l] });
-        let edge = whole(&each(|l| 2.0 * low[l] + (1.0 - along_x[l])));
-        x.advance(&step_x, self.cell_m);
-        y.advance(&step_y, self.cell_m);
-        (self.at, self.alive, self.entered) = (after, goes_on, exit);
+        let cell_m = self.numbering.spec().cell_m;
+        x.advance(&step_x, cell_m);
+        y.advance(&step_y, cell_m);
+        let [column, row] = &self.column_row;
+        let after = [x.at(), y.at()];
+        let low = [each(|l| column[l].min(after[0][l])), each(|l| row[l].min(after[1][l]))];
+        let low = self.numbering.lanes(&low[0], &low[1]);
+        let axis = whole(&each(|l| 1.0 - along_x[l]));
+        let edge = each(|l| 2 * low[l] + axis[l]);
+        (self.column_row, self.alive, self.entered) = (after, goes_on, exit);
         Step { exit, edge }
     }
 }
@@ -142,6 +146,12 @@ impl Axes {
         self.left = each(|l| self.left[l] - step[l]);
         self.line = each(|l| self.line[l] + step[l] * self.towards[l]);
         self.look_ahead(cell_m);
+    }
+
+    /// The cell's column, or row.
+    #[inline(always)]
+    fn at(&self) -> Lanes<u32> {
+        whole(&each(|l| self.line[l] + self.behind[l]))
     }
 
     /// As [`grid::DigitalLine`] has it, to the bit.
@@ -155,7 +165,7 @@ impl Axes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use grid::DigitalLine;
+    use grid::{DigitalLine, GridSpec};
     use proptest::prelude::*;
 
     proptest! {
@@ -165,8 +175,8 @@ mod tests {
             width in 1usize..50, height in 1usize..40,
         ) {
             let spec = GridSpec { cell_m: 0.05, origin_m: [-0.5, 1.0], width, height };
-            let mut lines = Lines::default();
-            lines.reset(&spec);
+            let numbering = Numbering::new(spec);
+            let mut lines = Lines::new(numbering);
             let snap = |v: f64, origin: f64| ((v - origin) / 0.05).floor() * 0.05 + origin;
             let mut expected = Vec::new();
             for (lane, (x, y, angle, kind, until)) in starts.into_iter().enumerate() {
@@ -177,7 +187,7 @@ mod tests {
                 let mut line = DigitalLine::default();
                 let until = if until < 2.0 { until } else { f64::INFINITY };
                 line.trace(&spec, origin, direction, until);
-                prop_assert_eq!(lines.start(lane, &spec, origin, direction, until), !line.is_empty());
+                prop_assert_eq!(lines.start(lane, origin, direction, until), !line.is_empty());
                 expected.push(line);
             }
             let mut k = 0;
@@ -188,11 +198,12 @@ mod tests {
                     let line = &expected[lane];
                     prop_assert_eq!(alive[lane] > 0.0, k < line.len());
                     if k < line.len() {
-                        prop_assert_eq!(cell[lane] as usize, line.cells()[k]);
+                        prop_assert_eq!(cell[lane], numbering.of(line.cells()[k]));
                         prop_assert_eq!((entered[lane], step.exit[lane]), (line.ranges()[k], line.ranges()[k + 1]));
                     }
                     if k + 1 < line.len() {
-                        prop_assert_eq!(step.edge[lane] as usize, spec.edge_between(line.cells()[k], line.cells()[k + 1]));
+                        let edge = spec.edge_between(line.cells()[k], line.cells()[k + 1]);
+                        prop_assert_eq!(step.edge[lane], 2 * numbering.of(edge / 2) + edge as u32 % 2);
                     }
                 }
                 k += 1;

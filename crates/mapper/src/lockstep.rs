@@ -16,70 +16,70 @@ mod bundle;
 mod silent;
 mod tail;
 mod tally;
+mod touched;
 
 use std::cell::OnceCell;
 use std::sync::Arc;
-use std::sync::atomic::AtomicU32;
-use std::sync::atomic::Ordering::Relaxed;
 
 use grid::{GridSpec, Raster};
 use rayon::prelude::*;
 use sensor::lanes::LANES;
 use sensor::{Ray, Scan, SensorModel};
 
+use self::agree::Moved;
 use self::bundle::{Bundle, Reach, World};
 use self::tally::Tally;
 use crate::catalogue::Setup;
 use crate::lines::Lines;
 use crate::pairs::bounds;
 use crate::ray::RayUpdate;
+use crate::tiles::{Numbering, TILE, Tiles, split};
 use crate::work::{Held as _, Work};
 use crate::{Chain, Mapper, PairwiseGrid, Prior, Reconciliation, exact};
 
 /// Scans of fewer rays are not worth waking other threads for.
 const FEW_RAYS: usize = 1024;
 
-/// A cell of the map: 16 bytes.
-#[derive(Debug)]
-#[repr(align(16))]
-struct Cell {
+/// A tile of the map: 12 bytes per cell.
+#[derive(Debug, Clone)]
+struct Tile {
     /// `P(E_i)`.
-    occupied: f32,
+    occupied: [f32; TILE],
     /// `P(E_i, E_j)` with the right and the upper neighbour; not used where cells are independent.
-    both: [f32; 2],
-    /// Number of the cell's entry in the first worker's tally, where it is at hand when the cell is; 0 where it has none.
-    slot: AtomicU32,
+    both: [[f32; TILE]; 2],
 }
 
-impl Cell {
-    /// While rays agree: by how much the cell moved, in the place of the number of its entry.
-    fn set_moved(&mut self, by: f32) {
-        // Minus nothing is not nothing: the cell was touched.
-        *self.slot.get_mut() = if by == 0.0 { (-0.0f32).to_bits() } else { by.to_bits() };
+/// The map.
+type Map = Tiles<Tile>;
+
+impl Map {
+    /// `P(E_i)`.
+    #[inline(always)]
+    fn occupied(&self, cell: u32) -> f32 {
+        let (tile, place) = split(cell);
+        self.at(tile).occupied[place]
     }
 
-    /// Nothing of a cell that was not touched.
-    fn moved(&self) -> f32 {
-        f32::from_bits(self.slot.load(Relaxed))
-    }
-
-    fn is_touched(&self) -> bool {
-        self.slot.load(Relaxed) != 0
+    /// `P(E_i, E_j)` with the right (0) or the upper (1) neighbour.
+    #[inline(always)]
+    fn both(&self, cell: u32, axis: usize) -> f32 {
+        let (tile, place) = split(cell);
+        self.at(tile).both[axis][place]
     }
 }
 
 /// The mapper of the paper, and the same without continuity, in lockstep. O(cells on the ray) per ray.
 ///
-/// 16 bytes per cell, and 4 for every thread but the first; 8 more once [`occupancy`](Mapper::occupancy) is asked for;
-/// working memory for what one scan touches.
+/// 12 bytes per cell of the tiles that readings have said something of; 8 per cell of the grid once
+/// [`occupancy`](Mapper::occupancy) is asked for; working memory for what one scan touches.
 pub struct Lockstep {
-    spec: GridSpec,
-    map: Vec<Cell>,
+    map: Map,
     continuity: bool,
     sensor: Arc<dyn SensorModel>,
     onset: f64,
     reconciliation: Reconciliation,
     workers: Vec<Worker>,
+    moved: Vec<Moved>,
     /// The map as others see it, made when it is asked for.
     occupancy: OnceCell<Raster<f64>>,
 }
@@ -109,70 +109,84 @@ impl Lockstep {
     }
 
     fn new(setup: &Setup, continuity: bool) -> Self {
-        let pairs = PairwiseGrid::prior(setup.grid, &setup.prior);
-        let cell = |cell: usize| Cell {
-            occupied: (pairs.marginal[cell] as f32).clamp(agree::LEAST, agree::MOST),
-            both: [0, 1].map(|axis| pairs.both[2 * cell + axis] as f32),
-            slot: AtomicU32::new(0),
-        };
+        let numbering = Numbering::new(setup.grid);
+        // An unseen pair.
+        let pair = PairwiseGrid::prior(GridSpec { width: 2, height: 1, ..setup.grid }, &setup.prior);
+        let occupied = (pair.marginal[0] as f32).clamp(agree::LEAST, agree::MOST);
+        let unseen = Tile { occupied: [occupied; TILE], both: [[pair.both[0] as f32; TILE]; 2] };
         Self {
-            spec: setup.grid,
-            map: (0..setup.grid.cells()).map(cell).collect(),
+            map: Tiles::new(numbering, unseen),
             continuity,
             sensor: Arc::clone(&setup.sensor),
             onset: setup.prior.onset(setup.grid.cell_m),
             reconciliation: setup.reconciliation,
-            workers: vec![Worker::new(Tally::first())],
+            workers: vec![Worker::new(numbering)],
+            moved: Vec::new(),
             occupancy: OnceCell::new(),
         }
     }
 
     /// The map in double precision.
     pub fn pairs(&self) -> PairwiseGrid {
+        let (numbering, spec) = (self.map.numbering, *self.map.numbering.spec());
         let marginal = self.occupancy().clone();
-        let mut both = vec![0.0; 2 * self.map.len()];
-        for cell in 0..self.map.len() {
-            for n in self.spec.neighbours(cell).filter(|n| n.cell > cell) {
+        let mut both = vec![0.0; 2 * spec.cells()];
+        for cell in 0..spec.cells() {
+            for n in spec.neighbours(cell).filter(|n| n.cell > cell) {
                 let (p, q) = (marginal[cell], marginal[n.cell]);
                 // What is possible in single precision may miss the bounds of double precision by a last digit.
                 let (low, high) = bounds(p, q);
-                let joint = f64::from(self.map[cell].both[n.edge % 2]).clamp(low, high);
+                let joint = f64::from(self.map.both(numbering.of(cell), n.edge % 2)).clamp(low, high);
                 both[n.edge] = if self.continuity { joint } else { p * q };
             }
         }
         PairwiseGrid { marginal, both }
     }
 
+    /// The part of the map that readings have said something of, as [`occupancy`](Mapper::occupancy) has it, up to a tile
+    /// more on every side; none before the first. A world may be far larger than what is ever seen of it.
+    pub fn seen(&self) -> Option<Raster<f64>> {
+        let (from, window) = self.map.seen()?;
+        Some(self.map.raster(from, window, |tile, place| f64::from(tile.occupied[place])))
+    }
+
     /// Takes a scan's rays on so many threads; the map does not depend on how many.
     pub fn integrate_on(&mut self, scan: &Scan, threads: usize) {
-        let rays: Vec<Ray> = scan.rays().filter(|ray| ray.reading.is_some()).collect();
-        if rays.is_empty() || self.spec.locate(rays[0].origin_m).is_none() {
+        let mut rays: Vec<Ray> = scan.rays().filter(|ray| ray.reading.is_some()).collect();
+        if rays.is_empty() || self.map.numbering.spec().locate(rays[0].origin_m).is_none() {
             return;
         }
+        // Rays that can be cut soon are taken together.
+        let far = |ray: &Ray| {
+            ray.reading.is_none_or(|reading| self.sensor.settled_from(reading, ray.bearing_rad).is_infinite())
+        };
+        rays.sort_by_key(far);
         let bundles = rays.len().div_ceil(LANES);
         let threads = threads.clamp(1, bundles);
         while self.workers.len() < threads {
-            self.workers.push(Worker::new(Tally::further(self.map.len())));
+            self.workers.push(Worker::new(self.map.numbering));
         }
-        let world = World {
-            spec: &self.spec,
-            map: &self.map,
-            continuity: self.continuity,
-            sensor: &*self.sensor,
-            onset: self.onset,
-        };
+        let world = World { map: &self.map, continuity: self.continuity, sensor: &*self.sensor, onset: self.onset };
         let share = bundles.div_ceil(threads) * LANES;
         let workers = &mut self.workers[..threads];
         together(workers, |k, worker| worker.update(&world, rays.chunks(share).nth(k).unwrap_or_default()));
-        merge(workers, &self.map);
+        merge(workers);
         let reach: Vec<Reach> = workers.iter().flat_map(|worker| worker.reach.iter().copied()).collect();
-        let until_m = silent::farthest(&self.spec, &rays, &reach);
+        let until_m = silent::farthest(self.map.numbering.spec(), &rays, &reach);
+        let until_m = |k: usize| until_m.chunks(share).nth(k).unwrap_or_default();
+        // Several threads read what one of them alone can add to meanwhile.
+        let spoken = (threads > 1).then(|| std::mem::replace(&mut workers[0].tally, Tally::new(self.map.numbering)));
         together(workers, |k, Worker { reach, bookmarks, tally, .. }| {
-            silent::add(&world, reach, until_m.chunks(share).nth(k).unwrap_or_default(), bookmarks, tally);
+            silent::add(&world, reach, until_m(k), bookmarks, (spoken.as_ref(), tally));
         });
-        merge(workers, &self.map);
-        let Some(Worker { tally, .. }) = self.workers.first_mut() else { return };
-        agree::agree(&self.spec, &mut self.map, self.continuity, tally, self.reconciliation);
+        let first = &mut self.workers[0];
+        if let Some(spoken) = spoken {
+            let mut said = std::mem::replace(&mut first.tally, spoken);
+            first.tally.take(&mut said);
+            merge(&mut self.workers[..threads]);
+        }
+        let tally = &mut self.workers[0].tally;
+        agree::agree(&mut self.map, self.continuity, tally, self.reconciliation, &mut self.moved);
         self.occupancy.take();
     }
 }
@@ -186,15 +200,21 @@ fn together(workers: &mut [Worker], work: impl Fn(usize, &mut Worker) + Sync) {
 }
 
 /// All that workers know, in the tally of the first.
-fn merge(workers: &mut [Worker], map: &[Cell]) {
+fn merge(workers: &mut [Worker]) {
     if let Some((first, others)) = workers.split_first_mut() {
-        others.iter_mut().for_each(|other| first.tally.take(&mut other.tally, map));
+        others.iter_mut().for_each(|other| first.tally.take(&mut other.tally));
     }
 }
 
 impl Worker {
-    fn new(tally: Tally) -> Self {
-        Self { bundle: Bundle::default(), tally, slow: RayUpdate::default(), reach: Vec::new(), bookmarks: Vec::new() }
+    fn new(numbering: Numbering) -> Self {
+        Self {
+            bundle: Bundle::new(numbering),
+            tally: Tally::new(numbering),
+            slow: RayUpdate::default(),
+            reach: Vec::new(),
+            bookmarks: Vec::new(),
+        }
     }
 
     fn update(&mut self, world: &World, rays: &[Ray]) {
@@ -210,29 +230,30 @@ impl Worker {
     }
 
     fn update_slowly(&mut self, world: &World, ray: &Ray) -> Reach {
-        let occupied = |cell: usize| f64::from(world.map[cell].occupied);
+        let numbering = world.map.numbering;
+        let spec = numbering.spec();
+        let occupied = |cell: usize| f64::from(world.map.occupied(numbering.of(cell)));
         let both = |pair: &[usize]| {
-            let edge = world.spec.edge_between(pair[0], pair[1]);
-            let joint = f64::from(world.map[edge / 2].both[edge % 2]);
+            let edge = spec.edge_between(pair[0], pair[1]);
+            let joint = f64::from(world.map.both(numbering.of(edge / 2), edge % 2));
             if world.continuity { joint } else { occupied(pair[0]) * occupied(pair[1]) }
         };
         let gather = |chain: &mut Chain, cells: &[usize]| {
             *chain =
                 Chain::new(cells.iter().map(|cell| occupied(*cell)).collect(), cells.windows(2).map(both).collect());
         };
-        self.slow.update(ray, world.spec, (world.sensor, world.onset), exact::posterior, gather);
+        self.slow.update(ray, spec, (world.sensor, world.onset), exact::posterior, gather);
         let (RayUpdate { line, posterior, .. }, tally) = (&self.slow, &mut self.tally);
         let cells = line.cells();
-        tally.reserve(cells.len());
         if let &[only] = cells {
-            let entry = tally.entry(world.map, only as u32);
+            let entry = tally.entry(numbering.of(only));
             tally.cell_of(entry, 1, rounded(posterior.first));
         }
         for (pair, joint) in cells.windows(2).zip(&posterior.pairs) {
-            let [first, second] = [pair[0], pair[1]].map(|cell| tally.entry(world.map, cell as u32));
+            let [first, second] = [pair[0], pair[1]].map(|cell| tally.entry(numbering.of(cell)));
             tally.cell_of(first, 1, rounded(joint.first()));
             tally.cell_of(second, 1, rounded(joint.second()));
-            let edge = world.spec.edge_between(pair[0], pair[1]);
+            let edge = spec.edge_between(pair[0], pair[1]);
             let (low, high) = if edge / 2 == pair[0] { (first, second) } else { (second, first) };
             tally.pair(low, high, edge % 2, rounded(joint.ef + joint.fe));
         }
@@ -251,15 +272,64 @@ impl Mapper for Lockstep {
     }
 
     fn occupancy(&self) -> &Raster<f64> {
-        let occupied = || self.map.iter().map(|cell| f64::from(cell.occupied)).collect();
-        self.occupancy.get_or_init(|| Raster::new(self.spec, occupied()))
+        let spec = *self.map.numbering.spec();
+        self.occupancy.get_or_init(|| self.map.raster([0, 0], spec, |tile, place| f64::from(tile.occupied[place])))
     }
 
     fn work(&self) -> Work {
         let held = self.workers.iter().map(|worker| worker.bundle.bytes() + worker.tally.bytes());
+        let held = held.sum::<usize>() + self.moved.held();
         Work {
             cells: self.workers.iter().map(|worker| worker.bundle.cells).sum(),
-            bytes: self.map.held() + self.occupancy.held() + held.sum::<usize>(),
+            bytes: self.map.held() + self.occupancy.held() + held,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sensor::{Pose, Stereo};
+
+    /// A drive through a world that is far larger than what is seen of it.
+    fn drive() -> Vec<Scan> {
+        let bearings_rad: Vec<f64> = (0..60).map(|k| 0.02 * (f64::from(k) - 29.5)).collect();
+        let reading = |number: usize, k: usize| Some(60.0 * (0.618 * (number * 60 + k) as f64).fract().powi(3));
+        let scan = |number: usize| Scan {
+            time_s: 0.0,
+            pose: Pose { x_m: 12.0 + 0.4 * number as f64, y_m: 20.0, theta_rad: 0.03 * number as f64 },
+            bearings_rad: bearings_rad.clone(),
+            readings: (0..60).map(|k| reading(number, k)).collect(),
+        };
+        (0..12).map(scan).collect()
+    }
+
+    #[test]
+    fn a_map_that_grows_is_the_map_that_was_all_there_to_the_bit() {
+        let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: 1000, height: 1800 };
+        for reconciliation in [Reconciliation::AllEdges, Reconciliation::Touched] {
+            for continuity in [true, false] {
+                let setup = Setup { reconciliation, ..Setup::new(grid, Arc::new(Stereo::default())) };
+                let (mut grows, mut dense) = (Lockstep::new(&setup, continuity), Lockstep::new(&setup, continuity));
+                (0..dense.map.numbering.tiles()).for_each(|tile| {
+                    dense.map.make(tile);
+                });
+                for scan in drive() {
+                    grows.integrate_on(&scan, 1);
+                    dense.integrate_on(&scan, 1);
+                }
+                let (grown, all) = (grows.pairs(), dense.pairs());
+                assert!(grown == all && grown != Lockstep::new(&setup, continuity).pairs());
+                let seen = grows.seen().expect("scans were taken");
+                assert!(seen.values().len() < grid.cells() / 2, "{:?}", seen.spec());
+                for cell in 0..grid.cells() {
+                    match seen.spec().locate(grid.centre(cell)) {
+                        Some(there) => assert_eq!(seen[there].to_bits(), all.marginal[cell].to_bits()),
+                        None => assert_eq!(all.marginal[cell].to_bits(), all.marginal[0].to_bits()),
+                    }
+                }
+                assert!(grows.map.held() < dense.map.held() / 2);
+            }
         }
     }
 }

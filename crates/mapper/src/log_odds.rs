@@ -3,12 +3,13 @@
 use std::cell::OnceCell;
 use std::sync::Arc;
 
-use grid::{GridSpec, Raster};
+use grid::Raster;
 use pulp::{Arch, Simd, WithSimd};
 use sensor::lanes::{LANES, Lanes};
 use sensor::{Ray, Scan, SensorModel};
 
 use crate::lines::Lines;
+use crate::tiles::{Numbering, TILE, Tiles, split};
 use crate::work::{Held as _, Work};
 use crate::{EPSILON, Mapper, catalogue::Setup};
 
@@ -61,23 +62,22 @@ fn log_odds(p: f64) -> f64 {
     libm::log(p / (1.0 - p))
 }
 
-/// A cell of the map.
-#[derive(Clone, Copy)]
-struct Cell {
-    log_odds: f64,
-    /// What the scan has said of it so far.
-    seen: Seen,
-    /// Whether it was ever updated.
-    known: bool,
+/// A tile of the map: 9 bytes per cell.
+#[derive(Clone)]
+struct Tile {
+    log_odds: [f64; TILE],
+    /// [`MISS`], [`HIT`] and [`KNOWN`].
+    seen: [u8; TILE],
+    /// Whether the scan has said anything of it so far.
+    touched: bool,
 }
 
-/// What a scan has said of a cell so far; more is stronger.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Seen {
-    Nothing,
-    Miss,
-    Hit,
-}
+/// The scan has passed through the cell.
+const MISS: u8 = 1;
+/// It has ended in the cell.
+const HIT: u8 = 2;
+/// The cell was updated before.
+const KNOWN: u8 = 4;
 
 /// The mapper with this rule. O(cells up to the reading) per ray.
 ///
@@ -87,13 +87,12 @@ enum Seen {
 /// dropped and clears nothing, as point clouds drop it. A cell that was never updated is unknown: it
 /// reports the prior, like the unseen cells of every other mapper.
 pub struct ConstantIncrements {
-    spec: GridSpec,
     steps: Steps,
     prior: f64,
-    map: Vec<Cell>,
+    map: Tiles<Tile>,
     sensor: Arc<dyn SensorModel>,
-    lines: Lines,
-    touched: Vec<u32>,
+    /// Tiles that the scan has said anything of so far.
+    touched: Vec<usize>,
     cells: u64,
     /// The map as others see it, made when it is asked for.
     occupancy: OnceCell<Raster<f64>>,
@@ -102,65 +101,80 @@ pub struct ConstantIncrements {
 impl ConstantIncrements {
     /// The unseen map.
     pub fn new(setup: &Setup, rule: LogOdds) -> Self {
-        let unknown = Cell { log_odds: log_odds(rule.start), seen: Seen::Nothing, known: false };
+        let unknown = Tile { log_odds: [log_odds(rule.start); TILE], seen: [0; TILE], touched: false };
         Self {
-            spec: setup.grid,
             steps: rule.steps(),
             prior: setup.prior.marginal(),
-            map: vec![unknown; setup.grid.cells()],
+            map: Tiles::new(Numbering::new(setup.grid), unknown),
             sensor: Arc::clone(&setup.sensor),
-            lines: Lines::default(),
             touched: Vec::new(),
             cells: 0,
             occupancy: OnceCell::new(),
         }
     }
 
-    /// Marks the cells of some rays, each with the range (m) of its point; `touched` has so many of them already.
-    fn mark(&mut self, rays: &[(Ray, f64)], touched: usize) -> usize {
-        self.lines.reset(&self.spec);
-        let mut ranges = [f64::INFINITY; LANES];
-        for (lane, (ray, range)) in rays.iter().enumerate() {
-            self.lines.start(lane, &self.spec, ray.origin_m, ray.direction, *range);
-            ranges[lane] = *range;
+    fn occupied(&self, tile: &Tile, place: usize) -> f64 {
+        if tile.seen[place] & KNOWN == 0 {
+            return self.prior;
         }
-        let longest = LANES * (self.spec.width + self.spec.height);
-        if self.touched.len() < touched + longest {
-            self.touched.resize((touched + longest).next_power_of_two(), 0);
-        }
-        Arch::new().dispatch(Mark { mapper: self, ranges, touched })
+        (1.0 / (1.0 + libm::exp(-tile.log_odds[place]))).clamp(EPSILON, 1.0 - EPSILON)
+    }
+
+    /// The part of the map that rays have crossed, as [`crate::Lockstep::seen`].
+    pub fn seen(&self) -> Option<Raster<f64>> {
+        let (from, window) = self.map.seen()?;
+        Some(self.map.raster(from, window, |tile, place| self.occupied(tile, place)))
     }
 }
 
-/// Following rays to their points, with what the processor has; gives how many cells are touched then.
+/// Following rays to their points, with what the processor has.
 struct Mark<'a> {
     mapper: &'a mut ConstantIncrements,
+    lines: Lines,
     ranges: Lanes<f64>,
-    touched: usize,
 }
 
 impl WithSimd for Mark<'_> {
-    type Output = usize;
+    type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> usize {
-        let Self { mapper, ranges, mut touched } = self;
-        let mut lines = mapper.lines.clone();
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { mapper: ConstantIncrements { map, touched, cells, .. }, mut lines, ranges } = self;
         while !lines.done() {
             let (cell, alive) = (lines.cell(), lines.alive);
             let step = lines.step();
-            for l in 0..LANES {
-                if alive[l] > 0.0 {
-                    let here = &mut mapper.map[cell[l] as usize];
-                    mapper.touched[touched] = cell[l];
-                    touched += usize::from(here.seen == Seen::Nothing);
-                    let seen = if step.exit[l] >= ranges[l] { Seen::Hit } else { Seen::Miss };
-                    here.seen = here.seen.max(seen);
-                    mapper.cells += 1;
+            *cells += alive.iter().sum::<f64>() as u64;
+            for l in (0..LANES).filter(|l| alive[*l] > 0.0) {
+                let (tile, place) = split(cell[l]);
+                let here = map.make(tile);
+                if !here.touched {
+                    here.touched = true;
+                    touched.push(tile);
                 }
+                here.seen[place] |= if step.exit[l] >= ranges[l] { HIT } else { MISS };
             }
         }
-        touched
+    }
+}
+
+/// What a scan has marked becomes odds, with what the processor has.
+struct Apply<'a>(&'a mut Tile, Steps);
+
+impl WithSimd for Apply<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self(Tile { log_odds, seen, touched }, Steps { hit, miss, low, high }) = self;
+        for (log_odds, seen) in log_odds.iter_mut().zip(seen) {
+            let after = *log_odds + if *seen & HIT != 0 { hit } else { miss };
+            let after = if after > low { after } else { low };
+            let after = if after < high { after } else { high };
+            let said = *seen & (HIT | MISS) != 0;
+            *log_odds = if said { after } else { *log_odds };
+            *seen = if said { KNOWN } else { *seen };
+        }
+        *touched = false;
     }
 }
 
@@ -168,22 +182,25 @@ impl Mapper for ConstantIncrements {
     fn integrate(&mut self, scan: &Scan) {
         let range = |ray: &Ray| ray.reading.and_then(|reading| self.sensor.range_of(reading, ray.bearing_rad));
         let rays: Vec<(Ray, f64)> = scan.rays().filter_map(|ray| Some((ray, range(&ray)?))).collect();
-        let touched = rays.chunks(LANES).fold(0, |touched, rays| self.mark(rays, touched));
-        let Steps { hit, miss, low, high } = self.steps;
-        for &cell in &self.touched[..touched] {
-            let here = &mut self.map[cell as usize];
-            let step = if here.seen == Seen::Hit { hit } else { miss };
-            *here = Cell { log_odds: (here.log_odds + step).clamp(low, high), seen: Seen::Nothing, known: true };
+        let arch = Arch::new();
+        for rays in rays.chunks(LANES) {
+            let mut lines = Lines::new(self.map.numbering);
+            let mut ranges = [f64::INFINITY; LANES];
+            for (lane, (ray, range)) in rays.iter().enumerate() {
+                lines.start(lane, ray.origin_m, ray.direction, *range);
+                ranges[lane] = *range;
+            }
+            arch.dispatch(Mark { mapper: self, lines, ranges });
+        }
+        for tile in self.touched.drain(..) {
+            arch.dispatch(Apply(self.map.make(tile), self.steps));
         }
         self.occupancy.take();
     }
 
     fn occupancy(&self) -> &Raster<f64> {
-        let occupied = |cell: &Cell| {
-            let p = if cell.known { 1.0 / (1.0 + libm::exp(-cell.log_odds)) } else { return self.prior };
-            p.clamp(EPSILON, 1.0 - EPSILON)
-        };
-        self.occupancy.get_or_init(|| Raster::new(self.spec, self.map.iter().map(occupied).collect()))
+        let spec = *self.map.numbering.spec();
+        self.occupancy.get_or_init(|| self.map.raster([0, 0], spec, |tile, place| self.occupied(tile, place)))
     }
 
     fn work(&self) -> Work {

@@ -75,6 +75,12 @@ pub trait SensorModel: Send + Sync {
         f64::INFINITY
     }
 
+    /// At most so much, per unit of the reading, do the likelihoods of two cells from `range` (m) on differ, however far
+    /// they are; infinite where the sensor cannot say.
+    fn spread_from(&self, _reading: f64, _bearing: f64, _range: f64) -> f64 {
+        f64::INFINITY
+    }
+
     /// `P(T)`: the probability that a reading comes from the first occupied cell at all.
     fn correct_match(&self) -> f64;
 

@@ -128,6 +128,17 @@ impl SensorModel for Stereo {
         if least > 0.0 && cosine > 0.0 { self.focal_baseline / (least * cosine) } else { f64::INFINITY }
     }
 
+    /// The density at the disparities from 0 up to that of the range.
+    fn spread_from(&self, reading: f64, bearing: f64, range: f64) -> f64 {
+        let cosine = libm::cos(bearing);
+        if cosine <= 0.0 {
+            return 0.0;
+        }
+        let density = |disparity: f64| normal::density((disparity - reading) / self.disparity_sigma);
+        let most = density(self.at_cosine(range, cosine).min(reading));
+        self.correct_match / self.disparity_sigma * (most - density(0.0))
+    }
+
     fn correct_match(&self) -> f64 {
         self.correct_match
     }
@@ -298,6 +309,18 @@ mod tests {
             } else {
                 prop_assert!(reading <= 8.5 * STEREO.disparity_sigma);
             }
+        }
+
+        #[test]
+        fn likelihoods_beyond_differ_by_no_more_than_the_spread(
+            reading in 0.0f64..60.0, bearing in -1.7f64..1.7, from in 0.05f64..30.0, further in prop::array::uniform2(0.0f64..200.0),
+        ) {
+            let spread = STEREO.spread_from(reading, bearing, from);
+            let [a, b] = further.map(|further| likelihood(reading, bearing, from + further, from + further + 0.05));
+            prop_assert!((a - b).abs() <= spread + 1e-9, "{a} {b} {spread}");
+            prop_assert!(spread <= STEREO.spread_from(reading, bearing, 0.9 * from));
+            let far = STEREO.spread_from(reading, bearing, 1e9);
+            prop_assert!(far < 1e-6 && far >= 0.0, "{far}");
         }
 
         #[test]

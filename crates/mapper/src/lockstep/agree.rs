@@ -1,128 +1,176 @@
-//! Agreement between rays, Eqs. (18)-(20): [`crate::PairwiseGrid::reconcile`] from a tally.
+//! Agreement between rays, Eqs. (18)-(20): [`crate::PairwiseGrid::reconcile`] from a tally, patch by patch.
 
-use grid::GridSpec;
+use pulp::{Arch, Simd, WithSimd};
+use sensor::lanes::{Lanes, each};
 
-use super::Cell;
-use super::tally::{ABOVE, BELOW, LEFT, RIGHT, Tally};
+use super::tally::{ABOVE, BELOW, Entry, LEFT, RIGHT, Tally};
+use super::{Map, Tile, touched};
 use crate::Reconciliation;
-use crate::pairs::{both_occupied, correlation};
+use crate::tiles::{Numbering, PATCH, SIDE, TILE, split};
 
-/// An edge that no reading says anything of, owned by a cell that none says anything of.
-struct Silent {
-    low: usize,
-    axis: usize,
-    kept: f64,
-    rule: Reconciliation,
-}
-
-/// Takes over what the tally holds, and empties it. O(cells touched).
+/// Takes over what the tally holds, and empties it. O(cells of the patches touched).
 ///
 /// With `d` for the probability that two neighbours differ, the product moment is `1 - 2 d`, and a joint is
 /// `P(E_i, E_j) = (p_i + p_j - d) / 2`. `continuity` is false for a map of independent cells, which has no joints.
-pub(super) fn agree(spec: &GridSpec, map: &mut [Cell], continuity: bool, tally: &mut Tally, rule: Reconciliation) {
+pub(super) fn agree(map: &mut Map, continuity: bool, tally: &mut Tally, rule: Reconciliation, moved: &mut Vec<Moved>) {
     match rule {
-        Reconciliation::AllEdges => all_edges(spec, map, continuity, tally),
-        Reconciliation::Touched => touched(spec, map, continuity, tally),
+        Reconciliation::AllEdges => Arch::new().dispatch(AllEdges { map, continuity, tally, moved }),
+        Reconciliation::Touched => touched::touched(map, continuity, tally),
     }
-    tally.clear(map);
+    tally.clear();
 }
+
+/// By how much the cells of a patch moved.
+pub(super) type Moved = [f32; PATCH];
 
 /// [`Reconciliation::AllEdges`]: an edge on no ray keeps the probability that its cells differ, so that its joint
 /// moves by half of what its cells move. Two passes, in which nothing depends on what was touched first.
-fn all_edges(spec: &GridSpec, map: &mut [Cell], continuity: bool, tally: &mut Tally) {
-    let per_row = 1.0 / spec.width as f64;
-    for number in 1..=tally.len() {
-        let cell = tally.cell(number);
-        let around = Around::of(spec, per_row, cell);
-        let entry = tally.get(number);
-        let here = &mut map[cell];
-        let p = f64::from(here.occupied);
-        let silent = (around.edges & !entry.edges).count_ones();
-        let mean = share(entry.occupied + f64::from(silent) * p, entry.pairs + silent);
-        here.occupied = (mean as f32).clamp(LEAST, MOST);
-        here.set_moved((f64::from(here.occupied) - p) as f32);
-    }
-    if !continuity {
-        return;
-    }
-    for number in 1..=tally.len() {
-        let cell = tally.cell(number);
-        let around = Around::of(spec, per_row, cell);
-        let own = tally.get(number);
-        let (p, moved) = (map[cell].occupied, map[cell].moved());
-        for axis in 0..2 {
-            let step = around.stride[axis];
-            if around.edges & (RIGHT << axis) != 0 {
-                let other = &map[cell + step];
-                let (q, moved) = (other.occupied, moved + other.moved());
-                let rays = own.rays[axis];
-                let differ = share(own.differ[axis], rays) as f32;
-                let said = 0.5 * (p + q - differ);
-                let kept = map[cell].both[axis] + 0.5 * moved;
-                map[cell].both[axis] = possible(p, q, if rays > 0 { said } else { kept });
-            }
-            if around.edges & (LEFT << axis) != 0 {
-                let other = &mut map[cell - step];
-                if !other.is_touched() {
-                    other.both[axis] = possible(p, other.occupied, other.both[axis] + 0.5 * moved);
+struct AllEdges<'a> {
+    map: &'a mut Map,
+    continuity: bool,
+    tally: &'a Tally,
+    moved: &'a mut Vec<Moved>,
+}
+
+impl WithSimd for AllEdges<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { map, continuity, tally, moved } = self;
+        if moved.len() < tally.sheets().end {
+            moved.resize(tally.sheets().end, [0.0; PATCH]);
+        }
+        for sheet in tally.sheets() {
+            let first = first_of(tally, sheet);
+            let missing = missing(&map.numbering, first);
+            let (tile, from) = split(first);
+            let occupied = patch_mut(&mut map.make(tile).occupied, from);
+            marginals(occupied, tally.sheet(sheet), &missing, &mut moved[sheet]);
+        }
+        for sheet in tally.sheets().filter(|_| continuity) {
+            let first = first_of(tally, sheet);
+            let beyond = [0, 1].map(|axis| beyond(map, tally, moved, first, axis));
+            let (tile, from) = split(first);
+            joints(map.make(tile), from, tally.sheet(sheet), &moved[sheet], &beyond);
+            for axis in 0..2 {
+                match map.numbering.before(first, axis) {
+                    Some(before) if tally.sheet_of(before as usize / PATCH).is_none() => {
+                        follow(map, [before, first], axis, &moved[sheet]);
+                    }
+                    _ => {}
                 }
             }
         }
     }
 }
 
-/// [`Reconciliation::Touched`]: an edge on no ray keeps its correlation, and has no say in the marginals.
-fn touched(spec: &GridSpec, map: &mut [Cell], continuity: bool, tally: &mut Tally) {
-    let rule = Reconciliation::Touched;
-    let mut foreign = Vec::new();
-    let per_row = 1.0 / spec.width as f64;
-    for number in 1..=tally.len() {
-        let cell = tally.cell(number);
-        let around = Around::of(spec, per_row, cell);
-        let own = *tally.get(number);
-        let p = f64::from(map[cell].occupied);
-        let mean = own.occupied / f64::from(own.pairs);
-        let mut kept = own.differ;
-        if continuity {
-            for axis in 0..2 {
-                let (after, before) = (RIGHT << axis, LEFT << axis);
-                let step = around.stride[axis];
-                if around.edges & after != 0 && own.rays[axis] == 0 {
-                    kept[axis] = keeps(rule, p, f64::from(map[cell + step].occupied), f64::from(map[cell].both[axis]));
-                }
-                if around.edges & before != 0 && !map[cell - step].is_touched() {
-                    let other = &map[cell - step];
-                    // Rays that run along it say what it was.
-                    let rule = if own.edges & before != 0 { Reconciliation::AllEdges } else { rule };
-                    let kept = keeps(rule, p, f64::from(other.occupied), f64::from(other.both[axis]));
-                    foreign.push(Silent { low: cell - step, axis, kept, rule });
-                }
+/// The first cell of a sheet's patch.
+fn first_of(tally: &Tally, sheet: usize) -> u32 {
+    (tally.patch(sheet) * PATCH) as u32
+}
+
+#[inline(always)]
+fn patch(cells: &[f32; TILE], from: usize) -> &[f32; PATCH] {
+    cells[from..from + PATCH].try_into().expect("a tile is made of patches")
+}
+
+#[inline(always)]
+fn patch_mut(cells: &mut [f32; TILE], from: usize) -> &mut [f32; PATCH] {
+    (&mut cells[from..from + PATCH]).try_into().expect("a tile is made of patches")
+}
+
+#[inline(always)]
+fn row<T: Copy + Default>(cells: &[T; PATCH], row: usize) -> Lanes<T> {
+    each(|c| cells[row * SIDE + c])
+}
+
+/// The edges that the cells of a patch at the border of the grid do not have.
+fn missing(numbering: &Numbering, first: u32) -> [u32; PATCH] {
+    let (corner, spec) = (numbering.column_row(first), numbering.spec());
+    let last = [spec.width - 1, spec.height - 1];
+    let mut missing = [0; PATCH];
+    if (0..2).any(|k| corner[k] == 0 || corner[k] + SIDE > last[k]) {
+        for (place, missing) in missing.iter_mut().enumerate() {
+            let at = [corner[0] + place % SIDE, corner[1] + place / SIDE];
+            let edge = |absent: bool, edge: u32| if absent { edge } else { 0 };
+            *missing = edge(at[0] >= last[0], RIGHT)
+                | edge(at[1] >= last[1], ABOVE)
+                | edge(at[0] == 0, LEFT)
+                | edge(at[1] == 0, BELOW);
+        }
+    }
+    missing
+}
+
+/// The first pass: a cell is the mean of what rays say of it and, for every edge that no ray runs along, of what it was.
+#[inline(always)]
+fn marginals(occupied: &mut [f32; PATCH], sheet: &[Entry; PATCH], missing: &[u32; PATCH], moved: &mut Moved) {
+    for r in 0..SIDE {
+        let entries = &sheet[r * SIDE..(r + 1) * SIDE];
+        let (p, missing) = (row(occupied, r), row(missing, r));
+        let edges = each(|c| entries[c].edges() | missing[c]);
+        let silent = each(|c| 4 - ((edges[c] & 1) + ((edges[c] >> 1) & 1) + ((edges[c] >> 2) & 1) + (edges[c] >> 3)));
+        let sum = each(|c| entries[c].occupied + f64::from(silent[c] as i32) * f64::from(p[c]));
+        let number = each(|c| f64::from((entries[c].pairs() + silent[c]) as i32));
+        let mean = each(|c| (sum[c] / number[c]) as f32);
+        let mean = each(|c| if mean[c] > LEAST { mean[c] } else { LEAST });
+        let mean = each(|c| if mean[c] < MOST { mean[c] } else { MOST });
+        // A cell alone in its grid has no edge.
+        let after = each(|c| if number[c] > 0.0 { mean[c] } else { p[c] });
+        for c in 0..SIDE {
+            moved[r * SIDE + c] = after[c] - p[c];
+            occupied[r * SIDE + c] = after[c];
+        }
+    }
+}
+
+/// What lies beyond the last column (0) or row (1) of a patch: probabilities, and by how much they moved.
+fn beyond(map: &Map, tally: &Tally, moved: &[Moved], first: u32, axis: usize) -> [Lanes<f32>; 2] {
+    let last = first + ((SIDE - 1) * [1, SIDE][axis]) as u32;
+    let Some(after) = map.numbering.after(last, axis) else { return [[0.5; SIDE], [0.0; SIDE]] };
+    let (tile, from) = split(after);
+    let line = |cells: &[f32; PATCH]| each(|k| cells[k * [SIDE, 1][axis]]);
+    let moved = tally.sheet_of(after as usize / PATCH).map_or([0.0; SIDE], |sheet| line(&moved[sheet]));
+    [line(patch(&map.at(tile).occupied, from)), moved]
+}
+
+/// The second pass: the edges to the right and to the upper neighbours.
+#[inline(always)]
+fn joints(tile: &mut Tile, from: usize, sheet: &[Entry; PATCH], moved: &Moved, beyond: &[[Lanes<f32>; 2]; 2]) {
+    let [[right, right_moved], [above, above_moved]] = beyond;
+    let occupied = patch(&tile.occupied, from);
+    let [to_right, to_above] = &mut tile.both;
+    let both = [patch_mut(to_right, from), patch_mut(to_above, from)];
+    for r in 0..SIDE {
+        let entries = &sheet[r * SIDE..(r + 1) * SIDE];
+        let (p, m) = (row(occupied, r), row(moved, r));
+        let along = |row: &Lanes<f32>, last: f32| each(|c| if c + 1 < SIDE { row[(c + 1) % SIDE] } else { last });
+        let others = [
+            (along(&p, right[r]), along(&m, right_moved[r])),
+            if r + 1 < SIDE { (row(occupied, r + 1), row(moved, r + 1)) } else { (*above, *above_moved) },
+        ];
+        for (axis, (q, other)) in others.iter().enumerate() {
+            let old = row(both[axis], r);
+            let rays = each(|c| f64::from(entries[c].rays(axis) as i32));
+            let differ = each(|c| (entries[c].differ[axis] / rays[c]) as f32);
+            let said = each(|c| 0.5 * (p[c] + q[c] - differ[c]));
+            let kept = each(|c| old[c] + 0.5 * (m[c] + other[c]));
+            for c in 0..SIDE {
+                both[axis][r * SIDE + c] = possible(p[c], q[c], if rays[c] > 0.0 { said[c] } else { kept[c] });
             }
         }
-        let entry = tally.at(number);
-        entry.occupied = mean;
-        entry.differ = kept;
     }
-    for (number, cell) in tally.touched() {
-        map[cell].occupied = (tally.get(number).occupied as f32).clamp(LEAST, MOST);
-    }
-    if continuity {
-        for (number, cell) in tally.touched() {
-            let (own, around) = (tally.get(number), Around::of(spec, per_row, cell));
-            for axis in 0..2 {
-                if around.edges & (RIGHT << axis) != 0 {
-                    let (p, q) = (map[cell].occupied, map[cell + around.stride[axis]].occupied);
-                    map[cell].both[axis] = match own.rays[axis] {
-                        0 => restored(rule, p, q, own.differ[axis]),
-                        rays => from_differing(p, q, own.differ[axis] / f64::from(rays)),
-                    };
-                }
-            }
-        }
-        for Silent { low, axis, kept, rule } in foreign {
-            let other = low + [1, spec.width][axis];
-            map[low].both[axis] = restored(rule, map[low].occupied, map[other].occupied, kept);
-        }
+}
+
+/// The edges into a patch from the one before it, of which nothing was said.
+fn follow(map: &mut Map, [before, first]: [u32; 2], axis: usize, moved: &Moved) {
+    for k in (0..SIDE).map(|k| k * [SIDE, 1][axis]).filter(|k| moved[*k] != 0.0) {
+        let q = map.occupied(first + k as u32);
+        let (tile, place) = split(before + k as u32);
+        let other = map.make(tile);
+        let both = &mut other.both[axis][place];
+        *both = possible(other.occupied[place], q, *both + 0.5 * moved[k]);
     }
 }
 
@@ -131,73 +179,11 @@ pub(super) const LEAST: f32 = 1.000_000_1e-6;
 /// The upper one.
 pub(super) const MOST: f32 = 0.999_998_9;
 
-/// A sum over its number; small numbers are the rule, and divisions are slow. 0 of none.
-fn share(sum: f64, number: u32) -> f64 {
-    const SMALL: [f64; 64] = {
-        let mut inverse = [0.0; 64];
-        let mut number = 1;
-        while number < 64 {
-            inverse[number] = 1.0 / number as f64;
-            number += 1;
-        }
-        inverse
-    };
-    match SMALL.get(number as usize) {
-        Some(inverse) => sum * inverse,
-        None => sum / f64::from(number),
-    }
-}
-
-/// What an edge on no ray keeps of its state before the scan.
-fn keeps(rule: Reconciliation, p: f64, q: f64, both: f64) -> f64 {
-    match rule {
-        Reconciliation::AllEdges => p + q - 2.0 * both,
-        Reconciliation::Touched => correlation(p, q, both),
-    }
-}
-
-/// Its joint, from what it kept.
-fn restored(rule: Reconciliation, p: f32, q: f32, kept: f64) -> f32 {
-    match rule {
-        Reconciliation::AllEdges => from_differing(p, q, kept),
-        Reconciliation::Touched => both_occupied(f64::from(p), f64::from(q), kept) as f32,
-    }
-}
-
-fn from_differing(p: f32, q: f32, differ: f64) -> f32 {
-    possible(p, q, (0.5 * (f64::from(p) + f64::from(q) - differ)) as f32)
-}
-
 /// A joint as far as the marginals allow.
-fn possible(p: f32, q: f32, both: f32) -> f32 {
-    let (low, high) = ((p + q - 1.0).max(0.0), p.min(q));
-    if both < low {
-        low
-    } else if both > high {
-        high
-    } else {
-        both
-    }
-}
-
-/// Where a cell is in the grid.
-struct Around {
-    /// The edges that it has.
-    edges: u32,
-    /// From a cell to the next along each axis.
-    stride: [usize; 2],
-}
-
-impl Around {
-    fn of(spec: &GridSpec, per_row: f64, cell: usize) -> Self {
-        // Exact as long as a row has fewer than 2^20 cells, and far faster than a division of whole numbers.
-        let row = ((cell as f64 + 0.5) * per_row) as usize;
-        let column = cell - row * spec.width;
-        let edge = |there: bool, edge: u32| if there { edge } else { 0 };
-        let edges = edge(column + 1 < spec.width, RIGHT)
-            | edge(row + 1 < spec.height, ABOVE)
-            | edge(column > 0, LEFT)
-            | edge(row > 0, BELOW);
-        Self { edges, stride: [1, spec.width] }
-    }
+#[inline(always)]
+pub(super) fn possible(p: f32, q: f32, both: f32) -> f32 {
+    let low = if p + q > 1.0 { p + q - 1.0 } else { 0.0 };
+    let high = if p < q { p } else { q };
+    let both = if both > low { both } else { low };
+    if both < high { both } else { high }
 }

@@ -1,20 +1,19 @@
 //! Several rays from the map to the tally: Eqs. (1)-(7), one ray to a lane.
 
-use grid::GridSpec;
 use pulp::{Arch, Simd, WithSimd};
 use sensor::lanes::{Beams, LANES, Lanes, each};
 use sensor::{Ray, SensorModel};
 
-use super::Cell;
+use super::Map;
 use super::tail::Tail;
 use super::tally::{Tally, rounded};
 use crate::beyond::Beyond;
 use crate::lines::Lines;
+use crate::tiles::Numbering;
 
 /// What rays read from a map and the mapper's setup.
 pub(super) struct World<'a> {
-    pub(super) spec: &'a GridSpec,
-    pub(super) map: &'a [Cell],
+    pub(super) map: &'a Map,
     /// Whether neighbours know of each other.
     pub(super) continuity: bool,
     pub(super) sensor: &'a dyn SensorModel,
@@ -38,6 +37,10 @@ const NEGLIGIBLE: f32 = 1e-30;
 /// more than this, it says nothing.
 const SILENT: f32 = 1e-6;
 
+/// A ray is followed no farther than to where the rest of it moves no probability by more than this and as much again:
+/// half of [`SILENT`].
+const CUT: f32 = 5e-7;
+
 /// How far a ray has something to say.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Reach {
@@ -56,7 +59,6 @@ pub(super) struct Reach {
 /// The sum beyond a cell, `B` of [`crate::exact`], is in the posterior only through the evidence and through `ff`,
 /// which is what the other three entries leave of one. The evidence is also what the front pass adds up to at the
 /// end. So one pass from the sensor is enough, and its values are normalised afterwards.
-#[derive(Default)]
 pub(super) struct Bundle {
     lines: Lines,
     tail: Tail,
@@ -69,7 +71,7 @@ pub(super) struct Bundle {
     taken: usize,
     /// Cells of every ray, later of its reach; 0 of a lane without one.
     length: Lanes<u32>,
-    /// Cells of every ray.
+    /// Cells of every ray that was followed to the border; more than any other has.
     whole: Lanes<u32>,
     /// Number of cells that rays were updated over.
     pub(super) cells: u64,
@@ -128,18 +130,33 @@ impl WithSimd for Advance<'_> {
 }
 
 /// Normalising, and telling the tally.
-struct Tell<'a>(&'a mut Bundle, &'a World<'a>, &'a Lanes<f32>, &'a mut Tally);
+struct Tell<'a>(&'a mut Bundle, &'a Lanes<f32>, &'a mut Tally);
 
 impl WithSimd for Tell<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        self.0.tell(self.1, self.2, self.3);
+        self.0.tell(self.1, self.2);
     }
 }
 
 impl Bundle {
+    pub(super) fn new(numbering: Numbering) -> Self {
+        Self {
+            lines: Lines::new(numbering),
+            tail: Tail::default(),
+            front: Front::default(),
+            ranges: Vec::new(),
+            likelihood: Vec::new(),
+            steps: Vec::new(),
+            taken: 0,
+            length: [0; LANES],
+            whole: [0; LANES],
+            cells: 0,
+        }
+    }
+
     /// Adds what up to [`LANES`] rays with readings say to the tally, as far as they say anything, and gives how far
     /// that is.
     pub(super) fn update(
@@ -150,10 +167,10 @@ impl Bundle {
         bookmarks: &mut Vec<Lines>,
     ) -> Lanes<Reach> {
         let mut beams = Beams::default();
-        self.lines.reset(world.spec);
+        self.lines = Lines::new(world.map.numbering);
         for (lane, ray) in rays.iter().enumerate() {
             let Some(reading) = ray.reading else { continue };
-            if self.lines.start(lane, world.spec, ray.origin_m, ray.direction, f64::INFINITY) {
+            if self.lines.start(lane, ray.origin_m, ray.direction, f64::INFINITY) {
                 beams.reading[lane] = reading;
                 beams.bearing_rad[lane] = ray.bearing_rad;
             }
@@ -171,12 +188,14 @@ impl Bundle {
         let normalise = evidence.map(|evidence| 1.0 / evidence);
         let reach = self.reach(&normalise);
         self.taken = reach.into_iter().max().unwrap_or(0) as usize;
-        tally.reserve(LANES * self.taken);
-        self.whole = std::mem::replace(&mut self.length, reach);
-        Arch::new().dispatch(Tell(self, world, &normalise, tally));
+        let followed = std::mem::replace(&mut self.length, reach);
+        let ends = |l: usize| self.lines.alive[l] <= 0.0;
+        self.whole = std::array::from_fn(|l| if ends(l) { followed[l] } else { u32::MAX });
+        Arch::new().dispatch(Tell(self, &normalise, tally));
         std::array::from_fn(|l| {
             let whole = reach[l] == self.whole[l];
-            let end_m = if whole { self.lines.entered[l] } else { self.steps[reach[l] as usize].entered[l] };
+            let last = reach[l] == followed[l];
+            let end_m = if last { self.lines.entered[l] } else { self.steps[reach[l] as usize].entered[l] };
             Reach { cells: reach[l], end_m, whole, unlikely: unlikely[l] }
         })
     }
@@ -186,12 +205,12 @@ impl Bundle {
         size_of::<Step>() * self.steps.capacity()
     }
 
-    /// Follows the rays to the border: the front pass of Eqs. (4)-(7).
+    /// Follows the rays, to the border or to where the rest says nothing: the front pass of Eqs. (4)-(7).
     fn walk(&mut self, world: &World, beams: &Beams, bookmarks: &mut Vec<Lines>) {
         bookmarks.clear();
         self.taken = 0;
         self.length = [0; LANES];
-        let before: Lanes<f32> = self.lines.cell().map(|cell| world.map[cell as usize].occupied);
+        let before: Lanes<f32> = self.lines.cell().map(|cell| world.map.occupied(cell));
         // Nothing is in front of the first cell: it follows a cell that is certainly free, and begins with its prior.
         self.front = Front { clear: [1.0; LANES], before, ..Front::default() };
         let arch = Arch::new();
@@ -205,7 +224,22 @@ impl Bundle {
             self.likelihood.resize(self.ranges.len() - 1, [0.0; LANES]);
             world.sensor.likelihood_lanes(beams, &self.ranges, &mut self.likelihood);
             arch.dispatch(Advance(self, from));
+            if (0..LANES).all(|l| self.lines.alive[l] <= 0.0 || self.is_settled(l, world, beams)) {
+                break;
+            }
         }
+    }
+
+    /// Whether the cells that a ray has not crossed yet learn nothing: their likelihoods hardly differ, so that it does
+    /// not matter which of them is hit, and what is known of the cell before them is what was known. Then the chain goes on as
+    /// it would without a reading, and what it differs by falls from cell to cell.
+    fn is_settled(&self, l: usize, world: &World, beams: &Beams) -> bool {
+        let (Some(likelihood), step) = (self.likelihood.last(), &self.steps[self.taken - 1]) else { return false };
+        let Front { hit_occupied, hit_free, clear, .. } = self.front;
+        let evidence = hit_occupied[l] + hit_free[l] + clear[l] * likelihood[l];
+        let moved = (hit_occupied[l] - step.before[l] * evidence).abs();
+        let spread = || world.sensor.spread_from(beams.reading[l], beams.bearing_rad[l], self.lines.entered[l]);
+        moved <= CUT * evidence && f64::from(clear[l]) * spread() <= f64::from(CUT * evidence)
     }
 
     /// Makes room for a block, and the step after it.
@@ -235,11 +269,11 @@ impl Bundle {
             self.ranges.push(crossing.exit);
             following.edge = crossing.edge;
             cell = lines.cell();
-            let next = each(|l| world.map[cell[l] as usize].occupied);
+            let next = each(|l| world.map.occupied(cell[l]));
             let both = if world.continuity {
                 each(|l| {
-                    let edge = crossing.edge[l] as usize;
-                    world.map[edge / 2].both[edge % 2]
+                    let edge = crossing.edge[l];
+                    world.map.both(edge / 2, (edge % 2) as usize)
                 })
             } else {
                 each(|l| before[l] * next[l])
@@ -284,17 +318,22 @@ impl Bundle {
         self.front = Front { hit_occupied, hit_free, clear, ..self.front };
     }
 
-    /// `P(o | O)` of every ray: what the front pass adds up to, and what lies beyond the last cell.
+    /// `P(o | O)` of every ray: what the front pass adds up to, and what lies beyond the last cell. Where that is the
+    /// map, any of its cells does.
     fn evidence(&mut self, world: &World, beams: &Beams, rays: &[Ray]) -> Lanes<f32> {
         let Front { hit_occupied, hit_free, clear, .. } = self.front;
-        let wanted: Lanes<bool> = std::array::from_fn(|l| self.length[l] > 0 && clear[l] > NOTHING);
+        let goes_on: Lanes<bool> = self.lines.alive.map(|alive| alive > 0.0);
+        let wanted: Lanes<bool> = std::array::from_fn(|l| self.length[l] > 0 && clear[l] > NOTHING && !goes_on[l]);
         let mut none = [1.0; LANES];
         if wanted != [false; LANES] {
             let beyond = std::array::from_fn(|l| {
                 let direction = rays.get(l).map_or([1.0, 0.0], |ray| ray.direction);
-                Beyond::at(self.lines.entered[l], direction, world.spec.cell_m, world.onset)
+                Beyond::at(self.lines.entered[l], direction, world.map.numbering.spec().cell_m, world.onset)
             });
             none = self.tail.likelihood(world.sensor, beams, &wanted, &beyond);
+        }
+        if let Some(last) = self.likelihood.last() {
+            none = std::array::from_fn(|l| if goes_on[l] { last[l] } else { none[l] });
         }
         std::array::from_fn(|l| hit_occupied[l] + hit_free[l] + clear[l] * none[l])
     }
@@ -322,7 +361,7 @@ impl Bundle {
 
     /// Normalises, and tells the tally; `length` is how far.
     #[inline(always)]
-    fn tell(&mut self, world: &World, normalise: &Lanes<f32>, tally: &mut Tally) {
+    fn tell(&mut self, normalise: &Lanes<f32>, tally: &mut Tally) {
         let mut previous = [0usize; LANES];
         for (k, step) in self.steps[..self.taken].iter().enumerate() {
             let occupied = rounded(&std::array::from_fn(|l| step.after[l] * normalise[l]));
@@ -332,7 +371,7 @@ impl Bundle {
                     continue;
                 }
                 let cell = step.cell[l];
-                let here = tally.entry(world.map, cell);
+                let here = tally.entry(cell);
                 // A cell inside the ray is in two pairs, the first and the last are in one.
                 let end = k == 0 || k as u32 + 1 == self.whole[l];
                 tally.cell_of(here, if end { 1 } else { 2 }, occupied[l]);

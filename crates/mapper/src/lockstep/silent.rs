@@ -6,15 +6,21 @@ use sensor::Ray;
 use sensor::lanes::LANES;
 
 use super::bundle::{BLOCK, Reach, World};
-use super::tally::{LEFT, RIGHT, Tally};
+use super::tally::{LEFT, Tally};
 use crate::lines::Lines;
 
-/// Adds to the tally, of every ray, the cells from its reach on that another ray has reached, unmoved. Those have an
-/// entry in the first worker's tally, which the others need not be.
+/// Adds to the tally, of every ray, the cells from its reach on that another ray has reached, unmoved. Which those are is
+/// in `spoken`, or else in the tally itself.
 ///
 /// All rays start in one place: such a cell is within the angle under which a cell is seen from there, and not
 /// farther than the ray that reached farthest within that angle.
-pub(super) fn add(world: &World, reach: &[Reach], until_m: &[f64], bookmarks: &[Vec<Lines>], tally: &mut Tally) {
+pub(super) fn add(
+    world: &World,
+    reach: &[Reach],
+    until_m: &[f64],
+    bookmarks: &[Vec<Lines>],
+    (spoken, tally): (Option<&Tally>, &mut Tally),
+) {
     let bundles = reach.chunks(LANES).zip(until_m.chunks(LANES)).zip(bookmarks);
     for ((reach, until_m), bookmarks) in bundles {
         let open = |lane: usize| !reach[lane].whole && until_m[lane] > reach[lane].end_m;
@@ -36,7 +42,7 @@ pub(super) fn add(world: &World, reach: &[Reach], until_m: &[f64], bookmarks: &[
                     any |= inside;
                     if inside && k >= reach[lane].cells {
                         let pairs = if lines.alive[lane] > 0.0 { 2 } else { 1 };
-                        count(world, tally, [before[lane], cell[lane]], edge[lane], pairs);
+                        count(world, (spoken, tally), [before[lane], cell[lane]], edge[lane], pairs);
                     }
                 }
                 if !any {
@@ -50,31 +56,33 @@ pub(super) fn add(world: &World, reach: &[Reach], until_m: &[f64], bookmarks: &[
 }
 
 /// A silent cell, and the edge from the one before it.
-fn count(world: &World, tally: &mut Tally, [before, cell]: [u32; 2], edge: u32, pairs: u32) {
-    let spoken_of = |cell: u32| world.map[cell as usize].is_touched();
-    let (here, there) = (spoken_of(cell), spoken_of(before));
+fn count(
+    world: &World,
+    (spoken, tally): (Option<&Tally>, &mut Tally),
+    [before, cell]: [u32; 2],
+    edge: u32,
+    pairs: u32,
+) {
+    let spoken_of = |tally: &Tally, cell: u32| spoken.unwrap_or(tally).is_touched(cell);
+    let (here, there) = (spoken_of(tally, cell), spoken_of(tally, before));
     if !here && !there {
         return;
     }
-    tally.reserve(2);
     if here {
-        let entry = tally.entry(world.map, cell);
-        tally.cell_of(entry, pairs, f64::from(world.map[cell as usize].occupied));
+        let entry = tally.entry(cell);
+        tally.cell_of(entry, pairs, f64::from(world.map.occupied(cell)));
     }
     let (low, axis) = (edge / 2, (edge % 2) as usize);
-    let high = low + [1, world.spec.width as u32][axis];
-    if spoken_of(high) {
-        let entry = tally.entry(world.map, high);
-        tally.at(entry).edges |= LEFT << axis;
+    let high = if before == low { cell } else { before };
+    if spoken_of(tally, high) {
+        let entry = tally.entry(high);
+        tally.at(entry).mark(LEFT << axis);
     }
-    if spoken_of(low) {
-        let [p, q] = [low, high].map(|cell| f64::from(world.map[cell as usize].occupied));
-        let both = if world.continuity { f64::from(world.map[low as usize].both[axis]) } else { p * q };
-        let entry = tally.entry(world.map, low);
-        let entry = tally.at(entry);
-        entry.differ[axis] += super::rounded(p + q - 2.0 * both);
-        entry.rays[axis] += 1;
-        entry.edges |= RIGHT << axis;
+    if spoken_of(tally, low) {
+        let [p, q] = [low, high].map(|cell| f64::from(world.map.occupied(cell)));
+        let both = if world.continuity { f64::from(world.map.both(low, axis)) } else { p * q };
+        let entry = tally.entry(low);
+        tally.at(entry).differs(axis, super::rounded(p + q - 2.0 * both));
     }
 }
 

@@ -1,26 +1,23 @@
 //! What the rays of a scan say, summed over rays: the moments of [`crate::Moments`] where the scan touched the map.
 
-use std::sync::atomic::AtomicU32;
-use std::sync::atomic::Ordering::Relaxed;
-
 use sensor::lanes::Lanes;
 
-use super::Cell;
+use crate::tiles::{Numbering, PATCH, TILE};
+use crate::work::Held as _;
 
-/// What rays say of a cell, and of the edges to its right and upper neighbour.
+/// What rays say of a cell, and of the edges to its right and upper neighbour: 32 bytes.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Entry {
     /// Sum of `P(E)` over the pairs of cells that rays ran along, each of which says it once.
     pub(super) occupied: f64,
-    /// Sums of the probability that the cell and its right, or upper, neighbour differ ...
+    /// Sums of the probability that the cell and its right, or upper, neighbour differ.
     pub(super) differ: [f64; 2],
-    /// ... and over how many rays.
-    pub(super) rays: [u32; 2],
-    /// How many pairs.
-    pub(super) pairs: u32,
-    /// The edges that a ray ran along: to the [`RIGHT`], [`ABOVE`], to the [`LEFT`], [`BELOW`].
-    pub(super) edges: u32,
+    /// From the lowest bit on, 20 bits each: over how many rays those sums are, and over how many pairs that of `P(E)`;
+    /// in the last 4 the edges.
+    counts: u64,
 }
+
+const COUNT: u64 = (1 << 20) - 1;
 
 /// An edge of a cell.
 pub(super) const RIGHT: u32 = 1;
@@ -31,16 +28,63 @@ pub(super) const LEFT: u32 = 4;
 /// An edge of a cell.
 pub(super) const BELOW: u32 = 8;
 
-/// The entries of the cells that were touched. Sums are exact, so that they do not depend on the order of the rays,
-/// up to 131,072 rays through a cell.
+impl Entry {
+    /// How many rays ran along the edge to the right (0) or upper (1) neighbour.
+    #[inline(always)]
+    pub(super) fn rays(&self, axis: usize) -> u32 {
+        ((self.counts >> (20 * axis)) & COUNT) as u32
+    }
+
+    /// In how many pairs of rays the cell is; 0 of a cell that was not touched.
+    #[inline(always)]
+    pub(super) fn pairs(&self) -> u32 {
+        ((self.counts >> 40) & COUNT) as u32
+    }
+
+    /// The edges that a ray ran along: to the [`RIGHT`], [`ABOVE`], to the [`LEFT`], [`BELOW`].
+    #[inline(always)]
+    pub(super) fn edges(&self) -> u32 {
+        (self.counts >> 60) as u32
+    }
+
+    /// A ray ran along an edge.
+    #[inline(always)]
+    pub(super) fn mark(&mut self, edge: u32) {
+        self.counts |= u64::from(edge) << 60;
+    }
+
+    /// A ray ran along the edge to the right (0) or upper (1) neighbour: they differ with the given probability.
+    #[inline(always)]
+    pub(super) fn differs(&mut self, axis: usize, differ: f64) {
+        self.differ[axis] += differ;
+        self.counts += 1 << (20 * axis);
+        self.mark(RIGHT << axis);
+    }
+
+    fn add(&mut self, other: &Self) {
+        let edges = COUNT << 60;
+        self.occupied += other.occupied;
+        self.differ[0] += other.differ[0];
+        self.differ[1] += other.differ[1];
+        self.counts = ((self.counts & !edges) + (other.counts & !edges)) | ((self.counts | other.counts) & edges);
+    }
+}
+
+/// A cell's patch, and its place in it.
+#[inline(always)]
+fn split(cell: u32) -> (usize, usize) {
+    (cell as usize / PATCH, cell as usize % PATCH)
+}
+
+/// The entries of the patches that were touched, a sheet of them for each. Sums are exact, so that they do not depend on
+/// the order of the rays, up to 131,072 rays through a cell.
 pub(super) struct Tally {
-    /// Number of the entry of every cell, 0 where it has none; none where the map holds them, see [`Cell`].
-    slots: Option<Vec<AtomicU32>>,
-    /// Entry 0 is that of no cell. Those from [`used`](Self::used) on are empty.
+    /// Number of every patch's sheet, 0 where it has none.
+    numbers: Vec<u32>,
+    /// The entries of one sheet after the other; sheet 0 is that of no patch. Those of sheets not in use are empty.
     entries: Vec<Entry>,
-    /// The cell of each entry.
-    cells: Vec<u32>,
-    used: usize,
+    /// The patch of each sheet in use.
+    patches: Vec<u32>,
 }
 
 /// Adding and taking away this rounds to a multiple of 2^-36.
@@ -53,58 +97,43 @@ pub(super) fn rounded(probability: &Lanes<f32>) -> Lanes<f64> {
 }
 
 impl Tally {
-    /// Nothing said, and its numbers in the map.
-    pub(super) fn first() -> Self {
-        Self { slots: None, entries: vec![Entry::default()], cells: vec![0], used: 1 }
+    /// Nothing said.
+    pub(super) fn new(numbering: Numbering) -> Self {
+        let patches = numbering.tiles() * (TILE / PATCH);
+        Self { numbers: vec![0; patches], entries: vec![Entry::default(); PATCH], patches: vec![0] }
     }
 
-    /// Nothing said, and numbers of its own for so many cells.
-    pub(super) fn further(cells: usize) -> Self {
-        Self { slots: Some((0..cells).map(|_| AtomicU32::new(0)).collect()), ..Self::first() }
-    }
-
-    /// Makes room for so many more entries.
-    pub(super) fn reserve(&mut self, entries: usize) {
-        let needed = self.used + entries + 1;
-        if self.entries.len() < needed {
-            let more = needed + needed / 8 - self.entries.len();
-            self.entries.reserve_exact(more);
-            self.entries.resize(self.entries.len() + more, Entry::default());
-            self.cells.reserve_exact(more);
-            self.cells.resize(self.entries.len(), 0);
-        }
-    }
-
+    /// Number of a cell's entry, in a new sheet if need be.
     #[inline(always)]
-    fn number<'a>(&'a self, map: &'a [Cell], cell: usize) -> &'a AtomicU32 {
-        match &self.slots {
-            None => &map[cell].slot,
-            Some(slots) => &slots[cell],
-        }
+    pub(super) fn entry(&mut self, cell: u32) -> usize {
+        let (patch, place) = split(cell);
+        let sheet = match self.numbers[patch] {
+            0 => self.open(patch),
+            sheet => sheet,
+        };
+        sheet as usize * PATCH + place
     }
 
-    /// The entry of a cell, made if there is none; room must be [`reserve`](Self::reserve)d.
-    #[inline(always)]
-    pub(super) fn entry(&mut self, map: &[Cell], cell: u32) -> usize {
-        let number = self.number(map, cell as usize);
-        let slot = number.load(Relaxed);
-        let fresh = slot == 0;
-        let entry = if fresh { self.used } else { slot as usize };
-        number.store(entry as u32, Relaxed);
-        self.cells[entry] = cell;
-        self.used += usize::from(fresh);
-        entry
+    #[cold]
+    #[inline(never)]
+    fn open(&mut self, patch: usize) -> u32 {
+        let sheet = self.patches.len();
+        self.patches.push(patch as u32);
+        self.numbers[patch] = sheet as u32;
+        if self.entries.len() == sheet * PATCH {
+            // Not twice as many: a tally is as large as the largest scan for good.
+            self.entries.reserve_exact((sheet / 16 + 1) * PATCH);
+            self.entries.resize(self.entries.capacity() / PATCH * PATCH, Entry::default());
+        }
+        sheet as u32
     }
 
     /// A pair of neighbours that a ray runs along, `low` the entry of the left or lower one: they differ with the given
     /// probability.
     #[inline(always)]
     pub(super) fn pair(&mut self, low: usize, high: usize, axis: usize, differ: f64) {
-        let entry = &mut self.entries[low];
-        entry.differ[axis] += differ;
-        entry.rays[axis] += 1;
-        entry.edges |= RIGHT << axis;
-        self.entries[high].edges |= LEFT << axis;
+        self.entries[low].differs(axis, differ);
+        self.entries[high].mark(LEFT << axis);
     }
 
     /// A cell that is in so many pairs of a ray.
@@ -112,64 +141,67 @@ impl Tally {
     pub(super) fn cell_of(&mut self, entry: usize, pairs: u32, occupied: f64) {
         let entry = &mut self.entries[entry];
         entry.occupied += occupied * f64::from(pairs);
-        entry.pairs += pairs;
+        entry.counts += u64::from(pairs) << 40;
     }
 
-    #[inline(always)]
     pub(super) fn at(&mut self, entry: usize) -> &mut Entry {
         &mut self.entries[entry]
     }
 
-    /// The entry with the given number.
-    pub(super) fn get(&self, entry: usize) -> &Entry {
-        &self.entries[entry]
+    /// What was said of a cell.
+    pub(super) fn get(&self, cell: u32) -> &Entry {
+        let (patch, place) = split(cell);
+        &self.entries[self.numbers[patch] as usize * PATCH + place]
     }
 
-    /// Every entry's number and cell.
-    pub(super) fn touched(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        self.cells[1..self.used].iter().enumerate().map(|(k, cell)| (k + 1, *cell as usize))
+    /// Whether anything was said of a cell.
+    pub(super) fn is_touched(&self, cell: u32) -> bool {
+        self.get(cell).pairs() > 0
     }
 
-    /// Number of entries.
-    pub(super) fn len(&self) -> usize {
-        self.used - 1
+    /// Numbers of the sheets in use.
+    pub(super) fn sheets(&self) -> std::ops::Range<usize> {
+        1..self.patches.len()
     }
 
-    /// The cell of an entry.
-    pub(super) fn cell(&self, entry: usize) -> usize {
-        self.cells[entry] as usize
+    /// The patch of a sheet.
+    pub(super) fn patch(&self, sheet: usize) -> usize {
+        self.patches[sheet] as usize
+    }
+
+    /// The sheet of a patch, if there is one.
+    pub(super) fn sheet_of(&self, patch: usize) -> Option<usize> {
+        Some(self.numbers[patch] as usize).filter(|sheet| *sheet > 0)
+    }
+
+    /// The entries of a sheet.
+    pub(super) fn sheet(&self, sheet: usize) -> &[Entry; PATCH] {
+        let from = sheet * PATCH;
+        self.entries[from..from + PATCH].try_into().expect("a sheet has as many entries as a patch has cells")
     }
 
     /// Takes over what another tally holds, and empties it.
-    pub(super) fn take(&mut self, other: &mut Self, map: &[Cell]) {
-        self.reserve(other.len());
-        for k in 1..other.used {
-            let from = other.entries[k];
-            let number = self.entry(map, other.cells[k]);
-            let entry = &mut self.entries[number];
-            entry.occupied += from.occupied;
-            entry.pairs += from.pairs;
-            entry.edges |= from.edges;
-            for axis in 0..2 {
-                entry.differ[axis] += from.differ[axis];
-                entry.rays[axis] += from.rays[axis];
+    pub(super) fn take(&mut self, other: &mut Self) {
+        for sheet in other.sheets() {
+            let number = self.entry((other.patch(sheet) * PATCH) as u32);
+            let pairs = self.entries[number..number + PATCH].iter_mut().zip(other.sheet(sheet));
+            for (entry, from) in pairs {
+                entry.add(from);
             }
         }
-        other.clear(map);
+        other.clear();
     }
 
     /// Forgets everything, at the cost of what was touched.
-    pub(super) fn clear(&mut self, map: &[Cell]) {
-        for cell in &self.cells[1..self.used] {
-            self.number(map, *cell as usize).store(0, Relaxed);
+    pub(super) fn clear(&mut self) {
+        self.entries[..self.patches.len() * PATCH].fill(Entry::default());
+        for patch in self.patches.drain(1..) {
+            self.numbers[patch as usize] = 0;
         }
-        self.entries[1..self.used].fill(Entry::default());
-        self.used = 1;
     }
 
     /// Memory held, bytes.
     pub(super) fn bytes(&self) -> usize {
-        4 * (self.slots.as_ref().map_or(0, Vec::capacity) + self.cells.capacity())
-            + size_of::<Entry>() * self.entries.capacity()
+        self.numbers.held() + self.patches.held() + self.entries.held()
     }
 }
