@@ -173,8 +173,13 @@ impl SensorModel for Stereo {
         if cosine > 0.0 && least > 0.0 { (1.0 + 1e-9) * self.focal_baseline / (least * cosine) } else { f64::INFINITY }
     }
 
-    fn false_match_probability(&self, half_width: f64) -> f64 {
+    fn false_match_probability(&self, _reading: f64, half_width: f64) -> f64 {
         2.0 * half_width / self.max_disparity
+    }
+
+    /// Half a pixel, as the paper has it.
+    fn half_bin(&self, _cell_m: f64) -> f64 {
+        0.5
     }
 
     fn range_of(&self, reading: f64, bearing: f64) -> Option<f64> {
