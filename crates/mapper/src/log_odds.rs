@@ -28,16 +28,19 @@ pub struct LogOdds {
     /// they come from, whose increments and clamps are made for it: started at a prior of 0.1, a cell
     /// would lie below OctoMap's lower clamp, and a miss would make it more occupied.
     pub start: f64,
+    /// Range up to which a beam without echo (a reading of `f64::INFINITY`) is a miss, m; 0 where it says nothing.
+    pub no_echo_m: f64,
 }
 
 impl LogOdds {
     /// The defaults of OctoMap: Hornung, Wurm, Bennewitz, Stachniss and Burgard, "OctoMap: An Efficient
-    /// Probabilistic 3D Mapping Framework Based on Octrees", Autonomous Robots 34, 2013.
-    pub const OCTOMAP: Self = Self { hit: 0.7, miss: 0.4, clamp: [0.12, 0.97], start: 0.5 };
+    /// Probabilistic 3D Mapping Framework Based on Octrees", Autonomous Robots 34, 2013. It
+    /// takes point clouds, in which a beam without echo has no point.
+    pub const OCTOMAP: Self = Self { hit: 0.7, miss: 0.4, clamp: [0.12, 0.97], start: 0.5, no_echo_m: 0.0 };
 
     /// The defaults of Cartographer's 2D grid: Hess, Kohler, Rapp and Andor, "Real-Time Loop Closure in
-    /// 2D LIDAR SLAM", ICRA 2016.
-    pub const CARTOGRAPHER: Self = Self { hit: 0.55, miss: 0.49, clamp: [0.1, 0.9], start: 0.5 };
+    /// 2D LIDAR SLAM", ICRA 2016. A range beyond the largest is a miss of 5 m (`missing_data_ray_length`).
+    pub const CARTOGRAPHER: Self = Self { hit: 0.55, miss: 0.49, clamp: [0.1, 0.9], start: 0.5, no_echo_m: 5.0 };
 
     /// Log odds that a hit or a miss adds, and the clamps.
     fn steps(&self) -> Steps {
@@ -84,11 +87,13 @@ enum Seen {
 /// A reading becomes a point ([`SensorModel::range_of`]): its cell is hit, cells before it are missed,
 /// up to the border where the point lies outside the map. Within one scan a cell is updated once, and
 /// a hit wins over misses, as in both programs. A reading at infinity (disparity 0) has no point; it is
-/// dropped and clears nothing, as point clouds drop it. A cell that was never updated is unknown: it
+/// dropped and clears nothing, as point clouds drop it. A beam without echo clears as far as
+/// [`LogOdds::no_echo_m`] says, whatever the sensor's range, and hits nothing. A cell that was never updated is unknown: it
 /// reports the prior, like the unseen cells of every other mapper.
 pub struct ConstantIncrements {
     spec: GridSpec,
     steps: Steps,
+    no_echo_m: f64,
     prior: f64,
     map: Vec<Cell>,
     sensor: Arc<dyn SensorModel>,
@@ -106,6 +111,7 @@ impl ConstantIncrements {
         Self {
             spec: setup.grid,
             steps: rule.steps(),
+            no_echo_m: rule.no_echo_m,
             prior: setup.prior.marginal(),
             map: vec![unknown; setup.grid.cells()],
             sensor: Arc::clone(&setup.sensor),
@@ -116,13 +122,24 @@ impl ConstantIncrements {
         }
     }
 
-    /// Marks the cells of some rays, each with the range (m) of its point; `touched` has so many of them already.
-    fn mark(&mut self, rays: &[(Ray, f64)], touched: usize) -> usize {
+    /// Up to where a ray misses, and where it hits, m; none if it does neither.
+    fn ends(&self, ray: &Ray) -> Option<Ends> {
+        let reading = ray.reading?;
+        if reading == f64::INFINITY {
+            let ends = Ends { until_m: self.no_echo_m, hit_m: f64::INFINITY };
+            return Some(ends).filter(|ends| ends.until_m > 0.0);
+        }
+        let point_m = self.sensor.range_of(reading, ray.bearing_rad)?;
+        Some(Ends { until_m: point_m, hit_m: point_m })
+    }
+
+    /// Marks the cells of some rays; `touched` has so many of them already.
+    fn mark(&mut self, rays: &[(Ray, Ends)], touched: usize) -> usize {
         self.lines.reset(&self.spec);
         let mut ranges = [f64::INFINITY; LANES];
-        for (lane, (ray, range)) in rays.iter().enumerate() {
-            self.lines.start(lane, &self.spec, ray.origin_m, ray.direction, *range);
-            ranges[lane] = *range;
+        for (lane, (ray, ends)) in rays.iter().enumerate() {
+            self.lines.start(lane, &self.spec, ray.origin_m, ray.direction, ends.until_m);
+            ranges[lane] = ends.hit_m;
         }
         let longest = LANES * (self.spec.width + self.spec.height);
         if self.touched.len() < touched + longest {
@@ -130,6 +147,15 @@ impl ConstantIncrements {
         }
         Arch::new().dispatch(Mark { mapper: self, ranges, touched })
     }
+}
+
+/// Where a ray ends.
+#[derive(Clone, Copy)]
+struct Ends {
+    /// Range up to which its cells are marked, m.
+    until_m: f64,
+    /// Range at which a cell is hit, m; infinite if none is.
+    hit_m: f64,
 }
 
 /// Following rays to their points, with what the processor has; gives how many cells are touched then.
@@ -166,8 +192,7 @@ impl WithSimd for Mark<'_> {
 
 impl Mapper for ConstantIncrements {
     fn integrate(&mut self, scan: &Scan) {
-        let range = |ray: &Ray| ray.reading.and_then(|reading| self.sensor.range_of(reading, ray.bearing_rad));
-        let rays: Vec<(Ray, f64)> = scan.rays().filter_map(|ray| Some((ray, range(&ray)?))).collect();
+        let rays: Vec<(Ray, Ends)> = scan.rays().filter_map(|ray| Some((ray, self.ends(&ray)?))).collect();
         let touched = rays.chunks(LANES).fold(0, |touched, rays| self.mark(rays, touched));
         let Steps { hit, miss, low, high } = self.steps;
         for &cell in &self.touched[..touched] {
@@ -268,5 +293,16 @@ mod tests {
         assert!(mapper.occupancy().values().iter().all(|p| (p - 0.1).abs() < 1e-12));
         mapper.integrate(&scan(&[3.0])); // 5 m; the map ends at 2 m
         assert!(mapper.occupancy().values().iter().all(|p| (p - 0.4).abs() < 1e-12));
+    }
+
+    #[test]
+    fn a_beam_without_echo_hits_nothing_and_clears_as_far_as_the_rule_says() {
+        for (rule, cleared) in [(LogOdds { no_echo_m: 1.0, ..LogOdds::CARTOGRAPHER }, 21), (LogOdds::OCTOMAP, 0)] {
+            let mut mapper = mapper(rule);
+            mapper.integrate(&scan(&[f64::INFINITY]));
+            let p = mapper.occupancy().values(); // 1.01 m from the border: up to cell 20
+            assert!(p[..cleared].iter().all(|p| (p - rule.miss).abs() < 1e-12), "{p:?}");
+            assert!(p[cleared..].iter().all(|p| (p - 0.1).abs() < 1e-12), "{p:?}");
+        }
     }
 }
