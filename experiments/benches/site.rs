@@ -33,7 +33,8 @@ fn main() {
     let setup = Setup::new(grid, Arc::new(stereo));
     let poses: Vec<Pose> = (0..SCANS).map(pose).collect();
     let start = Instant::now();
-    let scans: Vec<Scan> = poses.iter().enumerate().map(|(number, pose)| scan(number, *pose, &world, &stereo)).collect();
+    let scans: Vec<Scan> =
+        poses.iter().enumerate().map(|(number, pose)| scan(number, *pose, &world, &stereo)).collect();
     say(&format!("{SCANS} scans of {} rays in {:.1} s", CAMERA.columns, start.elapsed().as_secs_f64()));
 
     let mut log_odds = ConstantIncrements::new(&setup, LogOdds::OCTOMAP);

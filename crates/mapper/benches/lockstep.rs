@@ -10,7 +10,7 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use grid::GridSpec;
 use mapper::catalogue::Setup;
 use mapper::{Lockstep, Mapper as _, Visibility};
-use sensor::{Pose, Scan, Stereo};
+use sensor::{Laser, Pose, Scan, Stereo};
 
 /// The middle of a room of 12 m, seen by so many rays, with a false match in five.
 fn scan(rays: usize) -> Scan {
@@ -24,6 +24,17 @@ fn scan(rays: usize) -> Scan {
     Scan { time_s: 0.0, pose: Pose { x_m: 6.5, y_m: 6.5, theta_rad: 0.1 * TAU }, bearings_rad, readings }
 }
 
+/// The same by a laser, with a beam without echo in ten.
+fn laser_scan(beams: usize) -> Scan {
+    let Scan { pose, bearings_rad, .. } = scan(beams);
+    let reading = |(k, &bearing): (usize, &f64)| {
+        let wall_m = 6.0 / libm::cos(bearing);
+        Some(if k % 10 == 0 { f64::INFINITY } else { wall_m + 0.02 * libm::sin(k as f64 * 2.4) })
+    };
+    let readings = bearings_rad.iter().enumerate().map(reading).collect();
+    Scan { time_s: 0.0, pose, bearings_rad, readings }
+}
+
 fn scans(criterion: &mut Criterion) {
     let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: 260, height: 260 };
     let setup = Setup::new(grid, Arc::new(Stereo::default()));
@@ -33,6 +44,14 @@ fn scans(criterion: &mut Criterion) {
     let (mut fast, mut reference) = (Lockstep::visibility(&setup), Visibility::exact(&setup));
     group.bench_function("visibility", |bencher| bencher.iter(|| fast.integrate_on(&small, 1)));
     group.bench_function("visibility-reference", |bencher| bencher.iter(|| reference.integrate(&small)));
+    group.finish();
+    let setup_laser = Setup::new(grid, Arc::new(Laser::default()));
+    let beams = laser_scan(200);
+    let mut group = criterion.benchmark_group("scan of 200 beams of a laser");
+    group.throughput(Throughput::Elements(200));
+    let (mut fast, mut reference) = (Lockstep::visibility(&setup_laser), Visibility::exact(&setup_laser));
+    group.bench_function("visibility", |bencher| bencher.iter(|| fast.integrate_on(&beams, 1)));
+    group.bench_function("visibility-reference", |bencher| bencher.iter(|| reference.integrate(&beams)));
     group.finish();
     let large = scan(6_400);
     let mut group = criterion.benchmark_group("scan of 6400 rays");

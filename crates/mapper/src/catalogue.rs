@@ -36,6 +36,11 @@ impl Setup {
             tuning: Tuning::default(),
         }
     }
+
+    /// A conventional rule with the bin of the sensor, and what is given in the place of its values.
+    pub(crate) fn conventional(&self, rule: ConventionalRule) -> ConventionalRule {
+        self.tuning.conventional(rule.for_sensor(&*self.sensor, self.grid.cell_m))
+    }
 }
 
 /// How a mapper takes its scans.
@@ -92,14 +97,14 @@ pub const MAPPERS: &[Entry] = &[
         summary: "every cell for itself: no occlusion, no continuity",
         source: "Eqs. (22)-(26)",
         kind: Kind::Online,
-        build: |setup| Box::new(Conventional::with(setup, setup.tuning.conventional(ConventionalRule::default()))),
+        build: |setup| Box::new(Conventional::with(setup, setup.conventional(ConventionalRule::default()))),
     },
     Entry {
         name: "conventional-tuned",
         summary: "the same with bin and clamps fitted on the tuning scenes",
         source: "Eqs. (22)-(26), fitted",
         kind: Kind::Online,
-        build: |setup| Box::new(Conventional::with(setup, setup.tuning.conventional(ConventionalRule::TUNED))),
+        build: |setup| Box::new(Conventional::with(setup, setup.conventional(ConventionalRule::TUNED))),
     },
     Entry {
         name: "log-odds-octomap",

@@ -48,13 +48,19 @@ impl ConventionalRule {
         let bin = || sensor.bin_probability(reading, self.half_width, bearing, enter, exit);
         match sensor.placement(reading, self.half_width, bearing, enter, exit) {
             Placement::Within => {
-                let false_match = sensor.false_match_probability(self.half_width);
+                let false_match = sensor.false_match_probability(reading, self.half_width);
                 let occupied = correct * bin() + (1.0 - correct) * false_match; // Eqs. (21), (23)
                 Some([occupied, 1.0 - correct]) // Eq. (24)
             }
             Placement::Nearer => Some([1.0 - correct, correct * (1.0 - bin())]), // Eqs. (25), (26)
             Placement::Behind => None,
         }
+    }
+
+    /// This rule, made for the paper's camera with its bin of 1 px, for another sensor and cells of side `cell_m` (m):
+    /// the same share of that sensor's bin.
+    pub fn for_sensor(self, sensor: &(impl SensorModel + ?Sized), cell_m: f64) -> Self {
+        Self { half_width: self.half_width * (sensor.half_bin(cell_m) / 0.5), ..self }
     }
 
     /// [`posterior`](Self::posterior) within the clamps of this rule.
@@ -81,12 +87,12 @@ pub struct Conventional {
 }
 
 impl Conventional {
-    /// The rule of the paper.
+    /// The rule of the paper, with the bin of the sensor.
     pub fn new(setup: &Setup) -> Self {
-        Self::with(setup, ConventionalRule::default())
+        Self::with(setup, ConventionalRule::default().for_sensor(&*setup.sensor, setup.grid.cell_m))
     }
 
-    /// The rule with other parameters.
+    /// The rule with other parameters, as they are.
     pub fn with(setup: &Setup, rule: ConventionalRule) -> Self {
         Self {
             occupancy: Raster::filled(setup.grid, setup.prior.marginal()),

@@ -82,8 +82,8 @@ impl ForwardEm {
 
 /// What a reading says if its first occupied cell is known, for every entry and for rays without one.
 struct Model {
-    /// Likelihood of a false match.
-    false_match: f64,
+    /// Likelihood of each reading as a false match, which no map changes.
+    false_match: Vec<f64>,
     /// `ln` of the likelihood of a correct match.
     correct: Values,
     /// `ln` of the likelihood of either.
@@ -93,21 +93,30 @@ struct Model {
 impl Model {
     fn new(readings: &Readings, sensor: &dyn SensorModel) -> Self {
         // A bin of width 1: the density of false matches, which is uniform.
-        let false_match = (1.0 - sensor.correct_match()) * sensor.false_match_probability(0.5);
-        let least = (LEAST * false_match).max(1e-15);
-        let correct = |l: f64| (l - false_match).max(least);
-        let logs = |f: &dyn Fn(f64) -> f64| Values {
-            entry: readings.likelihood().iter().map(|&l| libm::log(f(l))).collect(),
-            none: (0..readings.rays()).map(|ray| libm::log(f(readings.none(ray)))).collect(),
+        let false_match =
+            |ray| (1.0 - sensor.correct_match()) * sensor.false_match_probability(readings.reading(ray), 0.5);
+        let false_match: Vec<f64> = (0..readings.rays()).map(false_match).collect();
+        let correct = |l: f64, false_match: f64| (l - false_match).max((LEAST * false_match).max(1e-15));
+        let logs = |f: &dyn Fn(f64, f64) -> f64| {
+            let rays = || false_match.iter().enumerate();
+            let along = |(ray, &false_match): (usize, &f64)| {
+                readings.likelihood()[readings.span(ray)].iter().map(move |&l| libm::log(f(l, false_match)))
+            };
+            Values {
+                entry: rays().flat_map(along).collect(),
+                none: rays().map(|(ray, &false_match)| libm::log(f(readings.none(ray), false_match))).collect(),
+            }
         };
-        Self { false_match, correct: logs(&correct), either: logs(&|l| correct(l) + false_match) }
+        let either = |l: f64, false_match: f64| correct(l, false_match) + false_match;
+        let (correct, either) = (logs(&correct), logs(&either));
+        Self { false_match, correct, either }
     }
 
     /// The expectation: whether each reading came from the first occupied cell of its ray.
     fn causes(&self, climb: &Climb) -> Vec<f64> {
         let logs = self.correct.none.iter().enumerate();
         let logs = logs.map(|(ray, none)| climb.first(ray).map_or(*none, |entry| self.correct.entry[entry]));
-        logs.map(|log| 1.0 / (1.0 + self.false_match * libm::exp(-log))).collect()
+        logs.zip(&self.false_match).map(|(log, false_match)| 1.0 / (1.0 + false_match * libm::exp(-log))).collect()
     }
 
     /// What the maximisation climbs, given the causes.

@@ -29,16 +29,19 @@ pub struct LogOdds {
     /// they come from, whose increments and clamps are made for it: started at a prior of 0.1, a cell
     /// would lie below OctoMap's lower clamp, and a miss would make it more occupied.
     pub start: f64,
+    /// Range up to which a beam without echo (a reading of `f64::INFINITY`) is a miss, m; 0 where it says nothing.
+    pub no_echo_m: f64,
 }
 
 impl LogOdds {
     /// The defaults of OctoMap: Hornung, Wurm, Bennewitz, Stachniss and Burgard, "OctoMap: An Efficient
-    /// Probabilistic 3D Mapping Framework Based on Octrees", Autonomous Robots 34, 2013.
-    pub const OCTOMAP: Self = Self { hit: 0.7, miss: 0.4, clamp: [0.12, 0.97], start: 0.5 };
+    /// Probabilistic 3D Mapping Framework Based on Octrees", Autonomous Robots 34, 2013. It
+    /// takes point clouds, in which a beam without echo has no point.
+    pub const OCTOMAP: Self = Self { hit: 0.7, miss: 0.4, clamp: [0.12, 0.97], start: 0.5, no_echo_m: 0.0 };
 
     /// The defaults of Cartographer's 2D grid: Hess, Kohler, Rapp and Andor, "Real-Time Loop Closure in
-    /// 2D LIDAR SLAM", ICRA 2016.
-    pub const CARTOGRAPHER: Self = Self { hit: 0.55, miss: 0.49, clamp: [0.1, 0.9], start: 0.5 };
+    /// 2D LIDAR SLAM", ICRA 2016. A range beyond the largest is a miss of 5 m (`missing_data_ray_length`).
+    pub const CARTOGRAPHER: Self = Self { hit: 0.55, miss: 0.49, clamp: [0.1, 0.9], start: 0.5, no_echo_m: 5.0 };
 
     /// Log odds that a hit or a miss adds, and the clamps.
     fn steps(&self) -> Steps {
@@ -84,10 +87,12 @@ const KNOWN: u8 = 4;
 /// A reading becomes a point ([`SensorModel::range_of`]): its cell is hit, cells before it are missed,
 /// up to the border where the point lies outside the map. Within one scan a cell is updated once, and
 /// a hit wins over misses, as in both programs. A reading at infinity (disparity 0) has no point; it is
-/// dropped and clears nothing, as point clouds drop it. A cell that was never updated is unknown: it
+/// dropped and clears nothing, as point clouds drop it. A beam without echo clears as far as
+/// [`LogOdds::no_echo_m`] says, whatever the sensor's range, and hits nothing. A cell that was never updated is unknown: it
 /// reports the prior, like the unseen cells of every other mapper.
 pub struct ConstantIncrements {
     steps: Steps,
+    no_echo_m: f64,
     prior: f64,
     map: Tiles<Tile>,
     sensor: Arc<dyn SensorModel>,
@@ -104,6 +109,7 @@ impl ConstantIncrements {
         let unknown = Tile { log_odds: [log_odds(rule.start); TILE], seen: [0; TILE], touched: false };
         Self {
             steps: rule.steps(),
+            no_echo_m: rule.no_echo_m,
             prior: setup.prior.marginal(),
             map: Tiles::new(Numbering::new(setup.grid), unknown),
             sensor: Arc::clone(&setup.sensor),
@@ -111,6 +117,17 @@ impl ConstantIncrements {
             cells: 0,
             occupancy: OnceCell::new(),
         }
+    }
+
+    /// Up to where a ray misses, and where it hits, m; none if it does neither.
+    fn ends(&self, ray: &Ray) -> Option<Ends> {
+        let reading = ray.reading?;
+        if reading == f64::INFINITY {
+            let ends = Ends { until_m: self.no_echo_m, hit_m: f64::INFINITY };
+            return Some(ends).filter(|ends| ends.until_m > 0.0);
+        }
+        let point_m = self.sensor.range_of(reading, ray.bearing_rad)?;
+        Some(Ends { until_m: point_m, hit_m: point_m })
     }
 
     fn occupied(&self, tile: &Tile, place: usize) -> f64 {
@@ -125,6 +142,15 @@ impl ConstantIncrements {
         let (from, window) = self.map.seen()?;
         Some(self.map.raster(from, window, |tile, place| self.occupied(tile, place)))
     }
+}
+
+/// Where a ray ends.
+#[derive(Clone, Copy)]
+struct Ends {
+    /// Range up to which its cells are marked, m.
+    until_m: f64,
+    /// Range at which a cell is hit, m; infinite if none is.
+    hit_m: f64,
 }
 
 /// Following rays to their points, with what the processor has.
@@ -180,15 +206,14 @@ impl WithSimd for Apply<'_> {
 
 impl Mapper for ConstantIncrements {
     fn integrate(&mut self, scan: &Scan) {
-        let range = |ray: &Ray| ray.reading.and_then(|reading| self.sensor.range_of(reading, ray.bearing_rad));
-        let rays: Vec<(Ray, f64)> = scan.rays().filter_map(|ray| Some((ray, range(&ray)?))).collect();
+        let rays: Vec<(Ray, Ends)> = scan.rays().filter_map(|ray| Some((ray, self.ends(&ray)?))).collect();
         let arch = Arch::new();
         for rays in rays.chunks(LANES) {
             let mut lines = Lines::new(self.map.numbering);
             let mut ranges = [f64::INFINITY; LANES];
-            for (lane, (ray, range)) in rays.iter().enumerate() {
-                lines.start(lane, ray.origin_m, ray.direction, *range);
-                ranges[lane] = *range;
+            for (lane, (ray, ends)) in rays.iter().enumerate() {
+                lines.start(lane, ray.origin_m, ray.direction, ends.until_m);
+                ranges[lane] = ends.hit_m;
             }
             arch.dispatch(Mark { mapper: self, lines, ranges });
         }
@@ -212,6 +237,7 @@ impl Mapper for ConstantIncrements {
 mod tests {
     use super::*;
     use grid::GridSpec;
+    use proptest::prelude::*;
     use sensor::{Pose, Stereo};
 
     fn mapper(rule: LogOdds) -> ConstantIncrements {
@@ -268,6 +294,47 @@ mod tests {
         assert!((mapper.occupancy()[30] - 0.9).abs() < 1e-12 && (mapper.occupancy()[3] - 0.1).abs() < 1e-12);
     }
 
+    proptest! {
+        /// To the bit: every cell of every ray, one by one, in a map that is all there.
+        #[test]
+        fn a_map_that_grows_in_lockstep_is_the_plain_one(
+            width in 1usize..70, height in 1usize..70, rays in prop::collection::vec((-4.0f64..4.0, 0.0f64..12.0), 1..40),
+            at in prop::array::uniform2(0.0f64..1.0), scans in 1usize..4,
+        ) {
+            let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width, height };
+            let setup = Setup::new(grid, Arc::new(Stereo { focal_baseline: 1.0, ..Stereo::default() }));
+            let rule = LogOdds::OCTOMAP;
+            let (mut mapper, Steps { hit, miss, low, high }) = (ConstantIncrements::new(&setup, rule), rule.steps());
+            let mut plain: Vec<Option<f64>> = vec![None; grid.cells()];
+            let pose = Pose { x_m: at[0] * 0.05 * width as f64, y_m: at[1] * 0.05 * height as f64, theta_rad: 1.0 };
+            for number in 0..scans {
+                let (bearings_rad, readings) = rays.iter().map(|(b, r)| (*b, Some(r * (1 + number) as f64))).unzip();
+                let scan = Scan { time_s: 0.0, pose, bearings_rad, readings };
+                mapper.integrate(&scan);
+                let mut seen = vec![0; grid.cells()];
+                for ray in scan.rays() {
+                    let Some(range) = setup.sensor.range_of(ray.reading.expect("all read"), ray.bearing_rad) else { continue };
+                    let mut line = grid::DigitalLine::default();
+                    line.trace(&grid, ray.origin_m, ray.direction, range);
+                    for (cell, exit) in line.cells().iter().zip(&line.ranges()[1..]) {
+                        seen[*cell] = seen[*cell].max(if *exit >= range { 2 } else { 1 });
+                    }
+                }
+                for (cell, seen) in seen.iter().enumerate().filter(|(_, seen)| **seen > 0) {
+                    let before = plain[cell].unwrap_or_else(|| log_odds(rule.start));
+                    plain[cell] = Some((before + if *seen == 2 { hit } else { miss }).clamp(low, high));
+                }
+            }
+            for (cell, plain) in plain.iter().enumerate() {
+                let expected = plain.map_or(0.1, |odds| 1.0 / (1.0 + libm::exp(-odds)));
+                prop_assert_eq!(mapper.occupancy()[cell].to_bits(), expected.to_bits());
+            }
+            if let Some(seen) = mapper.seen() {
+                prop_assert!(seen.values().iter().any(|p| (p - 0.1).abs() > 1e-9));
+            }
+        }
+    }
+
     /// Hornung et al. (2013): 0.12 and 0.97.
     #[test]
     fn octomap_stops_at_its_own_clamps() {
@@ -285,5 +352,16 @@ mod tests {
         assert!(mapper.occupancy().values().iter().all(|p| (p - 0.1).abs() < 1e-12));
         mapper.integrate(&scan(&[3.0])); // 5 m; the map ends at 2 m
         assert!(mapper.occupancy().values().iter().all(|p| (p - 0.4).abs() < 1e-12));
+    }
+
+    #[test]
+    fn a_beam_without_echo_hits_nothing_and_clears_as_far_as_the_rule_says() {
+        for (rule, cleared) in [(LogOdds { no_echo_m: 1.0, ..LogOdds::CARTOGRAPHER }, 21), (LogOdds::OCTOMAP, 0)] {
+            let mut mapper = mapper(rule);
+            mapper.integrate(&scan(&[f64::INFINITY]));
+            let p = mapper.occupancy().values(); // 1.01 m from the border: up to cell 20
+            assert!(p[..cleared].iter().all(|p| (p - rule.miss).abs() < 1e-12), "{p:?}");
+            assert!(p[cleared..].iter().all(|p| (p - 0.1).abs() < 1e-12), "{p:?}");
+        }
     }
 }

@@ -100,12 +100,12 @@ pub struct NoOcclusion {
 }
 
 impl NoOcclusion {
-    /// The unseen map, and the paper's bin of 1 px.
+    /// The unseen map, and the sensor's bin: the paper's of 1 px for its camera.
     pub fn new(setup: &Setup) -> Self {
         Self {
             pairs: PairwiseGrid::prior(setup.grid, &setup.prior),
             sensor: Arc::clone(&setup.sensor),
-            rule: setup.tuning.conventional(ConventionalRule::default()),
+            rule: setup.conventional(ConventionalRule::default()),
             reconciliation: setup.reconciliation,
             line: DigitalLine::default(),
             chain: Chain::default(),

@@ -19,6 +19,8 @@ pub(crate) struct Readings {
     cells: Vec<u32>,
     /// `P(o | F_k)`, one per entry of `cells`, per unit of the reading.
     likelihood: Vec<f64>,
+    /// The reading, one per ray.
+    reading: Vec<f64>,
     /// `P(o | no cell of the ray is occupied)`, one per ray.
     none: Vec<f64>,
     /// End of every ray in `cells`.
@@ -35,6 +37,7 @@ impl Readings {
             line: DigitalLine::default(),
             cells: Vec::new(),
             likelihood: Vec::new(),
+            reading: Vec::new(),
             none: Vec::new(),
             ends: Vec::new(),
         }
@@ -62,6 +65,7 @@ impl Readings {
         self.sensor.likelihood(reading, ray.bearing_rad, self.line.ranges(), likelihood); // Eq. (21)
         let beyond = Beyond::after(&self.line, ray.direction, self.spec.cell_m, self.onset);
         self.none.push(beyond::likelihood(&*self.sensor, reading, ray.bearing_rad, &beyond));
+        self.reading.push(reading);
         self.ends.push(self.cells.len());
     }
 
@@ -86,6 +90,11 @@ impl Readings {
         &self.likelihood
     }
 
+    /// The reading of a ray, in the sensor's unit.
+    pub(crate) fn reading(&self, ray: usize) -> f64 {
+        self.reading[ray]
+    }
+
     /// `P(o | no cell of the ray is occupied)`.
     pub(crate) fn none(&self, ray: usize) -> f64 {
         self.none[ray]
@@ -94,7 +103,7 @@ impl Readings {
 
 impl Held for Readings {
     fn held(&self) -> usize {
-        let rays = self.none.held() + self.ends.held();
+        let rays = self.reading.held() + self.none.held() + self.ends.held();
         self.line.held() + self.cells.held() + self.likelihood.held() + rays
     }
 }

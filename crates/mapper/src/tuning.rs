@@ -38,6 +38,7 @@ impl Tuning {
             miss: self.miss.unwrap_or(rule.miss),
             start: self.start.unwrap_or(rule.start),
             clamp: self.clamp(rule.clamp),
+            ..rule
         }
     }
 
@@ -90,7 +91,7 @@ mod tests {
         let rule = tuning.conventional(ConventionalRule::TUNED);
         assert_eq!(rule, ConventionalRule { half_width: 0.7, clamp: [0.002, 0.002] });
         let increments = tuning.log_odds(LogOdds::OCTOMAP);
-        assert_eq!(increments, LogOdds { hit: 0.9, miss: 0.3, start: 0.1, clamp: [0.002, 0.002] });
+        assert_eq!(increments, LogOdds { hit: 0.9, miss: 0.3, start: 0.1, clamp: [0.002, 0.002], ..LogOdds::OCTOMAP });
         assert_eq!(tuning.field(Field::TUNED), Field { coupling: 0.3, damping: 0.0, sweeps: 7, ..Field::TUNED });
     }
 }

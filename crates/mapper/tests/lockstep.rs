@@ -1,30 +1,17 @@
 //! `visibility`, fast, against its reference: one scan after the other from the same map.
 
+mod difference;
+
 use std::sync::Arc;
 
+use difference::difference;
 use grid::GridSpec;
 use mapper::catalogue::Setup;
-use mapper::{Lockstep, Mapper as _, PairwiseGrid, Prior, Reconciliation, Visibility};
+use mapper::{Lockstep, Mapper as _, Prior, Reconciliation, Visibility};
 use proptest::prelude::*;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
 use sensor::{Pose, Scan, Stereo};
-
-/// Largest difference of any marginal or joint.
-fn difference(a: &PairwiseGrid, b: &PairwiseGrid) -> f64 {
-    let spec = *a.spec();
-    let mut largest = 0.0f64;
-    for cell in 0..spec.cells() {
-        for n in spec.neighbours(cell) {
-            let (x, y) = (a.joint(cell, n.cell), b.joint(cell, n.cell));
-            for (x, y) in [(x.ee, y.ee), (x.ef, y.ef), (x.fe, y.fe), (x.ff, y.ff)] {
-                largest = largest.max((x - y).abs());
-            }
-        }
-        largest = largest.max((a.marginals()[cell] - b.marginals()[cell]).abs());
-    }
-    largest
-}
 
 /// A scan from a random place: readings of walls, at random, and none.
 fn scan(rng: &mut ChaCha8Rng, spec: &GridSpec, columns: usize, stereo: &Stereo) -> Scan {

@@ -5,11 +5,13 @@
 //! likely a reading is when cell `k` of the ray is the first occupied one, `P(o | F_k)`: all a
 //! mapper needs to know of a sensor. [`Stereo`] is the stereo camera of the paper, Eq. (21), and
 //! [`Matcher`] samples the disparities that such a camera would measure, with the paper's
-//! independent mismatches or with [`Clustering`] as measured on real pairs.
+//! independent mismatches or with [`Clustering`] as measured on real pairs. [`Laser`] is a laser
+//! range finder, with what it measures and how it is sampled.
 
 mod camera;
 mod clustering;
 pub mod lanes;
+mod laser;
 mod matcher;
 mod normal;
 mod scan;
@@ -19,6 +21,7 @@ use lanes::{Beams, Lanes};
 
 pub use camera::Camera;
 pub use clustering::{Clustering, Mismatches};
+pub use laser::{Laser, LaserError};
 pub use matcher::{Matcher, Surface};
 pub use scan::{Pose, Ray, Scan};
 pub use stereo::Stereo;
@@ -37,8 +40,9 @@ pub enum Placement {
 /// How a sensor's readings come about: the sensor kernel `P(o | F_k)` of Eq. (21) and what the
 /// conventional rule needs of it.
 ///
-/// `reading` is in the sensor's own unit (px for disparity); `bearing` is the angle between the
-/// ray and the optical axis in radians; ranges are in metres along the ray.
+/// `reading` is in the sensor's own unit (px for disparity, m for range); `bearing` is the angle between the
+/// ray and the optical axis in radians; ranges are in metres along the ray. `f64::INFINITY` is the reading of
+/// a sensor that says that nothing came back: an event of its own, for which likelihoods are probabilities.
 pub trait SensorModel: Send + Sync {
     /// Writes `P(o | F_k)`, per unit of the reading, for every chord `ranges[k] ..= ranges[k + 1]`.
     ///
@@ -81,6 +85,12 @@ pub trait SensorModel: Send + Sync {
         f64::INFINITY
     }
 
+    /// Ranges (m) between which all chords have the same likelihood, so that they need not be asked about one by one;
+    /// twice the same where the sensor cannot say.
+    fn steady(&self, _reading: f64, _bearing: f64) -> [f64; 2] {
+        [0.0; 2]
+    }
+
     /// `P(T)`: the probability that a reading comes from the first occupied cell at all.
     fn correct_match(&self) -> f64;
 
@@ -103,11 +113,16 @@ pub trait SensorModel: Send + Sync {
         f64::INFINITY
     }
 
-    /// Probability that a false match falls into a bin of the given half width:
-    /// `P(o | F_k, not T)` as a probability.
-    fn false_match_probability(&self, half_width: f64) -> f64;
+    /// Probability that a false match falls into the bin `reading` +- `half_width`:
+    /// `P(o | F_k, not T)` as a probability. Times `1 - P(T)` it is, for a bin of width 1, the least that the
+    /// likelihood of the reading can be.
+    fn false_match_probability(&self, reading: f64, half_width: f64) -> f64;
+
+    /// Half the bin, in the unit of the reading, that stands for one reading in rules that look at one cell of side
+    /// `cell_m` (m) at a time; above 0.
+    fn half_bin(&self, cell_m: f64) -> f64;
 
     /// Range (m) along the ray at which a point gives this reading without noise, for rules that take a
-    /// reading for a point; none where no finite range does (disparity 0, a ray behind the image plane).
+    /// reading for a point; none where no finite range does (disparity 0, a ray behind the image plane, no echo).
     fn range_of(&self, reading: f64, bearing: f64) -> Option<f64>;
 }

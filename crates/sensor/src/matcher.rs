@@ -154,7 +154,7 @@ mod tests {
             let count = near.iter().filter(|d| (low..low + 0.2).contains(*d)).count() as f64;
             let expected = n as f64
                 * (0.8 * MATCHER.stereo.bin_probability(low + 0.1, 0.1, 0.0, 1.5, 1.5)
-                    + 0.2 * MATCHER.stereo.false_match_probability(0.1));
+                    + 0.2 * MATCHER.stereo.false_match_probability(low + 0.1, 0.1));
             chi_square += (count - expected).powi(2) / expected;
         }
         assert!(chi_square < 45.3, "chi square {chi_square} of 20 bins is above its 99.9 % point");

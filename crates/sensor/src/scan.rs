@@ -20,7 +20,8 @@ pub struct Scan {
     pub pose: Pose,
     /// Angle of every ray to the optical axis, rad, counter-clockwise.
     pub bearings_rad: Vec<f64>,
-    /// The reading of every ray in the sensor's unit (px for disparity); `None` where it gave none.
+    /// The reading of every ray in the sensor's unit (px for disparity, m for range); `None` where it gave none and
+    /// nothing is to be learnt from that, `f64::INFINITY` where nothing came back and that is what was measured.
     pub readings: Vec<Option<f64>>,
 }
 
@@ -33,7 +34,7 @@ pub struct Ray {
     pub direction: [f64; 2],
     /// Angle to the optical axis, rad.
     pub bearing_rad: f64,
-    /// The reading, if there is one.
+    /// The reading, if there is one; infinite where nothing came back.
     pub reading: Option<f64>,
 }
 

@@ -135,8 +135,9 @@ impl SensorModel for Stereo {
             return 0.0;
         }
         let density = |disparity: f64| normal::density((disparity - reading) / self.disparity_sigma);
-        let most = density(self.at_cosine(range, cosine).min(reading));
-        self.correct_match / self.disparity_sigma * (most - density(0.0))
+        let at = self.at_cosine(range, cosine);
+        let most = density(at.min(reading));
+        self.correct_match / self.disparity_sigma * (most - density(0.0).min(density(at)))
     }
 
     fn correct_match(&self) -> f64 {
@@ -184,8 +185,13 @@ impl SensorModel for Stereo {
         if cosine > 0.0 && least > 0.0 { (1.0 + 1e-9) * self.focal_baseline / (least * cosine) } else { f64::INFINITY }
     }
 
-    fn false_match_probability(&self, half_width: f64) -> f64 {
+    fn false_match_probability(&self, _reading: f64, half_width: f64) -> f64 {
         2.0 * half_width / self.max_disparity
+    }
+
+    /// Half a pixel, as the paper has it.
+    fn half_bin(&self, _cell_m: f64) -> f64 {
+        0.5
     }
 
     fn range_of(&self, reading: f64, bearing: f64) -> Option<f64> {

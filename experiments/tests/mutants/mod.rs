@@ -60,8 +60,12 @@ impl SensorModel for AtCentres {
         self.0.bin_probability(reading, half_width, bearing, enter, exit)
     }
 
-    fn false_match_probability(&self, half_width: f64) -> f64 {
-        self.0.false_match_probability(half_width)
+    fn false_match_probability(&self, reading: f64, half_width: f64) -> f64 {
+        self.0.false_match_probability(reading, half_width)
+    }
+
+    fn half_bin(&self, cell_m: f64) -> f64 {
+        self.0.half_bin(cell_m)
     }
 
     fn range_of(&self, reading: f64, bearing: f64) -> Option<f64> {

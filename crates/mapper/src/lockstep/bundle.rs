@@ -24,8 +24,11 @@ pub(super) struct World<'a> {
 /// Cells that are traced before the sensor model is asked about them.
 pub(super) const BLOCK: usize = 64;
 
-/// Less than this, in front of the last cell, is nothing: what lies beyond does not matter.
+/// Less than this, in front of the last cell, is nothing: what lies beyond does not matter ...
 const NOTHING: f32 = 1e-9;
+
+/// ... where the evidence is at least this. Of a reading that has less, what lies beyond may be most of it.
+const EVIDENT: f32 = 1e-3;
 
 /// Evidence below this is left to double precision.
 const LEAST_EVIDENCE: f32 = 1e-20;
@@ -323,7 +326,9 @@ impl Bundle {
     fn evidence(&mut self, world: &World, beams: &Beams, rays: &[Ray]) -> Lanes<f32> {
         let Front { hit_occupied, hit_free, clear, .. } = self.front;
         let goes_on: Lanes<bool> = self.lines.alive.map(|alive| alive > 0.0);
-        let wanted: Lanes<bool> = std::array::from_fn(|l| self.length[l] > 0 && clear[l] > NOTHING && !goes_on[l]);
+        let nothing = each(|l| NOTHING * ((hit_occupied[l] + hit_free[l]) / EVIDENT).min(1.0));
+        let open = |l: usize| self.length[l] > 0 && clear[l] > nothing[l] && !goes_on[l];
+        let wanted: Lanes<bool> = std::array::from_fn(open);
         let mut none = [1.0; LANES];
         if wanted != [false; LANES] {
             let beyond = std::array::from_fn(|l| {

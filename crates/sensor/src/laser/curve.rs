@@ -1,0 +1,120 @@
+//! What one reading of a laser says of a surface at every range: two levels, with a bump between.
+
+use pulp::{Simd, WithSimd};
+
+use super::Laser;
+use crate::lanes::{Lanes, each};
+use crate::normal;
+
+/// Density of surfaces, as a share of that of all else, that counts as nothing.
+const NEGLIGIBLE: f64 = 1e-11;
+
+/// The likelihood of a reading as a function of the range of the surface.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Curve {
+    /// Range at which the levels meet, m.
+    centre_m: f64,
+    /// 1 / sigma, 1/m.
+    sharpness: f64,
+    /// Level in front ...
+    floor: f64,
+    /// ... and what is added to it behind.
+    step: f64,
+    /// Factor on the standard normal density about the centre.
+    bump: f64,
+    /// Standard deviations from the centre beyond which the levels are reached.
+    reach: f64,
+    /// Range up to which a surface that appears behind the sensor can give the reading, m; 0 where none can.
+    pub(super) mirror_m: f64,
+    /// Ranges between which the likelihood leaves the one level and reaches the other, m.
+    pub(super) from_m: f64,
+    pub(super) until_m: f64,
+}
+
+impl Curve {
+    pub(super) fn new(laser: &Laser, reading: f64) -> Self {
+        let centre_m = if reading.is_infinite() { laser.max_range_m } else { reading };
+        let sharpness = 1.0 / laser.range_sigma_m;
+        let alone = laser.hit * laser.passes(centre_m);
+        let [floor, step, bump] = if reading.is_infinite() {
+            [laser.no_echo, alone, 0.0]
+        } else {
+            [laser.outlier() / laser.max_range_m, alone * laser.early_per_m, alone * sharpness]
+        };
+        let reach = reach(bump.max(step), floor);
+        let reach_m = reach * laser.range_sigma_m;
+        let [mirror_m, from_m, until_m] =
+            [reach_m - centre_m, centre_m - reach_m, centre_m + reach_m].map(|m| m.max(0.0));
+        Self { centre_m, sharpness, floor, step, bump, reach, mirror_m, from_m, until_m }
+    }
+
+    /// Mean over the chord `enter ..= exit` (m).
+    pub(super) fn mean(&self, enter: f64, exit: f64) -> f64 {
+        let mirrored = if enter <= self.mirror_m { self.above_floor(-exit, -enter) } else { 0.0 };
+        self.floor + self.above_floor(enter, exit) + mirrored
+    }
+
+    fn above_floor(&self, enter: f64, exit: f64) -> f64 {
+        let [near, far] = [enter, exit].map(|range| (range - self.centre_m) * self.sharpness);
+        if near > self.reach {
+            self.step
+        } else if far >= -self.reach {
+            let density = normal::mean_density(near, far, self.reach);
+            self.bump * density + self.step * normal::mean_cumulative(near, far, self.reach)
+        } else {
+            0.0
+        }
+    }
+}
+
+/// Standard deviations beyond which so much beside such a floor counts for nothing: where there is no other
+/// explanation, farther tails matter.
+fn reach(most: f64, floor: f64) -> f64 {
+    let reach = libm::sqrt(2.0 * libm::log(most / (NEGLIGIBLE * floor)).max(0.0));
+    reach.clamp(normal::REACH, normal::FARTHEST)
+}
+
+/// [`Curve::mean`] of one curve per lane, with what the processor has.
+///
+/// All but a few chords of a ray lie on a level. Those are told apart in whole vectors; the rest, next to the reading,
+/// are as in double precision, one by one.
+pub(super) struct Fill<'a> {
+    pub(super) curves: &'a Lanes<Curve>,
+    pub(super) ranges: &'a [Lanes<f64>],
+    pub(super) likelihood: &'a mut [Lanes<f32>],
+}
+
+impl WithSimd for Fill<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { curves, ranges, likelihood } = self;
+        let from_m = each(|l| curves[l].from_m);
+        let until_m = each(|l| curves[l].until_m);
+        let mirror_m = each(|l| curves[l].mirror_m);
+        let front = each(|l| curves[l].floor);
+        let behind = each(|l| curves[l].floor + curves[l].step);
+        for (out, chord) in likelihood.iter_mut().zip(ranges.windows(2)) {
+            let (enter, exit) = (chord[0], chord[1]);
+            let level = each(|l| if enter[l] > until_m[l] { behind[l] } else { front[l] });
+            *out = each(|l| level[l] as f32);
+            let between = each(|l| if enter[l] <= until_m[l] { 1.0 } else { 0.0 });
+            let between = each(|l| if exit[l] >= from_m[l] { between[l] } else { 0.0 });
+            let between = each(|l| if enter[l] <= mirror_m[l] { 1.0 } else { between[l] });
+            if between.iter().sum::<f64>() > 0.0 {
+                one_by_one(curves, &between, &enter, &exit, out);
+            }
+        }
+    }
+}
+
+/// The lanes that are marked.
+#[inline(never)]
+fn one_by_one(curves: &Lanes<Curve>, marked: &Lanes<f64>, enter: &Lanes<f64>, exit: &Lanes<f64>, out: &mut Lanes<f32>) {
+    for (l, curve) in curves.iter().enumerate() {
+        if marked[l] > 0.0 {
+            out[l] = curve.mean(enter[l], exit[l]) as f32;
+        }
+    }
+}
