@@ -6,6 +6,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use mapper::{CorrelationLaw, Prior, Reconciliation};
 
 use crate::compare::options::CompareOptions;
+use crate::convert::ConvertOptions;
 use crate::gate::GateOptions;
 use crate::ray::RayOptions;
 use crate::sensor_model::SensorOptions;
@@ -50,6 +51,8 @@ pub enum Command {
     Speed(SpeedOptions),
     /// Make the page of a folder of results anew, from what the folder says it was made from
     Report(ReportOptions),
+    /// Convert a map between ROS YAML and image, NPY and PNG, cell by cell
+    Convert(ConvertOptions),
     /// Check a scene file and say what it holds, without mapping anything
     Check(CheckOptions),
     /// Generate a scene file from a family of scenes

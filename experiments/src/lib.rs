@@ -8,6 +8,7 @@ pub mod check;
 pub mod claims;
 pub mod cli;
 pub mod compare;
+pub mod convert;
 pub mod digest;
 pub mod engine;
 pub mod estimate;

@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use clap::Parser as _;
 use experiments::{
-    check, cli, compare, estimate, gate, generate, list, ray, rebuild, room, sensor_model, speed, sweep, tune,
+    check, cli, compare, convert, estimate, gate, generate, list, ray, rebuild, room, sensor_model, speed, sweep, tune,
 };
 
 fn main() -> ExitCode {
@@ -18,6 +18,7 @@ fn main() -> ExitCode {
         cli::Command::Sensor(options) => sensor_model::run(&options),
         cli::Command::Speed(options) => speed::run(&options),
         cli::Command::Report(options) => rebuild::run(&options),
+        cli::Command::Convert(options) => convert::run(&options),
         cli::Command::Check(options) => check::run(&options),
         cli::Command::Scene(cli::SceneCommand::Generate(options)) => generate::run(&options),
         cli::Command::Estimate(options) => estimate::run(&options),

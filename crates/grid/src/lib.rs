@@ -7,8 +7,8 @@
 //! - [`GridSpec`] says where the cells are.
 //! - [`DigitalLine`] lists the cells that a viewing ray crosses, 4-connected, with the range at
 //!   which it enters and leaves each (Figure 2 of the paper).
-//! - [`Raster`] is one value per cell; [`npy`] writes it for numpy.
-//! - [`ros_map`] reads the maps that robots save, as ROS map_server does.
+//! - [`Raster`] is one value per cell; [`npy`] writes it for numpy and reads it back.
+//! - [`ros_map`] reads the maps that robots save, and writes them, as ROS map_server and nav2_map_server do.
 
 mod line;
 pub mod npy;

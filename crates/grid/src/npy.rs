@@ -1,10 +1,15 @@
-//! Rasters as NPY files, for numpy.
+//! Rasters as NPY files, for numpy: rows are y, row 0 is the lowest.
+
+mod header;
+mod read;
 
 use std::io::{self, Write};
 
 use npyz::WriterBuilder as _;
 
 use crate::Raster;
+
+pub use read::{Array, NpyError, read};
 
 /// Writes a raster as a 2-D float32 array: rows are y, row 0 is the lowest.
 ///
@@ -19,6 +24,14 @@ pub fn write(raster: &Raster<f32>, out: impl Write) -> io::Result<()> {
         .begin_nd()?;
     npy.extend(raster.values().iter().copied())?;
     npy.finish()
+}
+
+/// Writes shares of occupancy as [`write()`] does: NaN where nothing is known.
+///
+/// # Errors
+/// Whatever the writer reports.
+pub fn write_occupancy(occupancy: &Raster<Option<f32>>, out: impl Write) -> io::Result<()> {
+    write(&occupancy.map(|share| share.unwrap_or(f32::NAN)), out)
 }
 
 #[cfg(test)]

@@ -7,11 +7,13 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use serde_saphyr::Spanned;
 
-use super::picture::Pixel;
-use super::{Place, RosMapError};
+use super::{Coding, Mode, Place, RosMapError, Thresholds};
 
 /// A description has some 200 bytes; a file of this many is something else.
 const MAX_BYTES: u64 = 1 << 16;
+
+/// A turn and a little, either way, in radians: what is more was meant in degrees.
+const TURN: [f64; 2] = [-6.3, 6.3];
 
 /// A value as it stands in the file: numbers too, so that an error can quote them.
 type Text = Spanned<String>;
@@ -37,9 +39,10 @@ pub(super) struct Description {
     pub(super) resolution_m: f64,
     /// Lower-left corner of the lower-left pixel, m.
     pub(super) origin_m: [f64; 2],
-    negate: bool,
-    occupied_thresh: f64,
-    free_thresh: f64,
+    /// Angle of the pixels' rows to the x axis, rad.
+    pub(super) yaw_rad: f64,
+    /// What the shades mean.
+    pub(super) coding: Coding,
 }
 
 impl Description {
@@ -47,22 +50,8 @@ impl Description {
     pub(super) fn read(path: &Path) -> Result<Self, RosMapError> {
         let text = text(path)?;
         let options = serde_saphyr::options! { with_snippet: false };
-        let keys = serde_saphyr::from_str_with_options::<Keys>(&text, options).map_err(|e| syntax(path, &e))?;
+        let keys = serde_saphyr::from_str_with_options::<Keys>(&text, options).map_err(|e| syntax(path, &text, &e))?;
         Checker { path }.check(&keys)
-    }
-
-    /// What a pixel says of its cell.
-    pub(super) fn state(&self, pixel: Pixel) -> Option<bool> {
-        let Pixel::Shade { brightness, white } = pixel else { return None };
-        let dark = if self.negate { brightness } else { white - brightness };
-        let p = f64::from(dark) / f64::from(white);
-        if p > self.occupied_thresh {
-            Some(true)
-        } else if p < self.free_thresh {
-            Some(false)
-        } else {
-            None
-        }
     }
 }
 
@@ -83,9 +72,18 @@ fn text(path: &Path) -> Result<String, RosMapError> {
     Ok(text.strip_prefix('\u{feff}').unwrap_or(&text).to_owned())
 }
 
-fn syntax(path: &Path, error: &serde_saphyr::Error) -> RosMapError {
+fn syntax(path: &Path, text: &str, error: &serde_saphyr::Error) -> RosMapError {
     use serde_saphyr::Error as Yaml;
     let (line, column) = error.location().map_or((1, 1), |at| (at.line(), at.column()));
+    // The parser names the value before the tab.
+    for (number, text) in (1..).zip(text.lines()) {
+        let blanks = text.len() - text.trim_start().len();
+        if let Some(tab) = text[..blanks].find('\t').filter(|_| blanks < text.len()) {
+            let place = Place { path: path.into(), line: number, column: tab as u64 + 1 };
+            let problem = "a tab stands before the text, where YAML wants blanks".to_owned();
+            return RosMapError::Syntax { place, problem };
+        }
+    }
     let problem = match error {
         Yaml::DuplicateMappingKey { key: Some(key), .. } => format!("the key `{key}` stands here a second time"),
         Yaml::MultipleDocuments { .. } => "a second YAML document begins here".to_owned(),
@@ -110,12 +108,7 @@ struct Checker<'a> {
 impl Checker<'_> {
     fn check(&self, keys: &Keys) -> Result<Description, RosMapError> {
         let image = self.image(&keys.image)?;
-        if let Some(mode) = &keys.mode
-            && mode.value.trim() != "trinary"
-        {
-            let remedy = "save the map in mode trinary, or leave the key out if the image holds only the three shades";
-            return Err(self.wrong("mode", mode, "trinary", remedy));
-        }
+        let mode = self.mode(&keys.mode)?;
         let resolution_m = self.number(
             "resolution",
             &keys.resolution,
@@ -123,7 +116,7 @@ impl Checker<'_> {
             [1e-4, 100.0],
             "give the side of a pixel in metres",
         )?;
-        let origin_m = self.origin(&keys.origin)?;
+        let (origin_m, yaw_rad) = self.origin(&keys.origin)?;
         let negate = self.negate(&keys.negate)?;
         let share = "give a share of darkness, 0 white to 1 black";
         let occupied_thresh =
@@ -133,7 +126,16 @@ impl Checker<'_> {
             let bound = format!("at most occupied_thresh = {occupied_thresh}");
             return Err(self.wrong("free_thresh", given, &bound, "map_server writes 0.196 and 0.65"));
         }
-        Ok(Description { image, resolution_m, origin_m, negate, occupied_thresh, free_thresh })
+        let coding = Coding { mode, negate, thresholds: Thresholds { occupied: occupied_thresh, free: free_thresh } };
+        Ok(Description { image, resolution_m, origin_m, yaw_rad, coding })
+    }
+
+    /// Trinary where nothing is said; map_server does not mind capitals.
+    fn mode(&self, given: &Option<Text>) -> Result<Mode, RosMapError> {
+        let Some(given) = given else { return Ok(Mode::default()) };
+        let named = |mode: &Mode| mode.name().eq_ignore_ascii_case(given.value.trim());
+        let remedy = "leave the key out if the image holds three shades";
+        Mode::ALL.into_iter().find(named).ok_or_else(|| self.wrong("mode", given, "trinary, scale or raw", remedy))
     }
 
     /// The image where the file says, relative to the file, or the file of that name beside it.
@@ -146,7 +148,7 @@ impl Checker<'_> {
         if file.is_empty() {
             return Err(self.wrong("image", given, "the name of a file", "give the map's PGM or PNG image"));
         }
-        let mut tried = vec![beside.join(name), beside.join(file)];
+        let mut tried = vec![beside.join(&given.value), beside.join(name), beside.join(file)];
         tried.dedup();
         match tried.iter().find(|p| p.is_file()) {
             Some(found) => Ok(found.clone()),
@@ -154,22 +156,22 @@ impl Checker<'_> {
         }
     }
 
-    fn origin(&self, given: &Option<Spanned<Vec<Text>>>) -> Result<[f64; 2], RosMapError> {
+    fn origin(&self, given: &Option<Spanned<Vec<Text>>>) -> Result<([f64; 2], f64), RosMapError> {
         let example = "origin: [0.0, 0.0, 0.0]";
         let given = self.present("origin", given, example)?;
         let [x, y, theta] = given.value.as_slice() else {
             let values: Vec<&str> = given.value.iter().map(|v| v.value.as_str()).collect();
             let place = self.place(given);
             let value = format!("[{}]", values.join(", "));
-            let remedy = "give x and y of the lower-left corner in metres and the angle 0";
+            let remedy = "give x and y of the lower-left corner in metres and the angle in radians";
             return Err(RosMapError::Value { place, key: "origin", value, bound: "three numbers".into(), remedy });
         };
         // Twice the Earth's girth; every projected coordinate fits, and floats still resolve a micrometre.
         let reach = [-1e8, 1e8];
         let corner = "give x and y of the lower-left corner in metres";
         let origin = [self.within("origin x", x, reach, corner)?, self.within("origin y", y, reach, corner)?];
-        self.within("origin angle", theta, [0.0, 0.0], "turn the image and save it with the angle 0")?;
-        Ok(origin)
+        let turn = "give the angle of the map in radians, counter-clockwise";
+        Ok((origin, self.within("origin angle", theta, TURN, turn)?))
     }
 
     fn negate(&self, given: &Option<Text>) -> Result<bool, RosMapError> {
@@ -201,10 +203,9 @@ impl Checker<'_> {
     ) -> Result<f64, RosMapError> {
         let number = given.value.trim().parse::<f64>().ok();
         // A number that is none (NaN) is in no range.
-        number.filter(|n| (low..=high).contains(n)).ok_or_else(|| {
-            let bound = if low < high { format!("a number from {low} to {high}") } else { format!("{low}") };
-            self.wrong(key, given, &bound, remedy)
-        })
+        number
+            .filter(|n| (low..=high).contains(n))
+            .ok_or_else(|| self.wrong(key, given, &format!("a number from {low} to {high}"), remedy))
     }
 
     fn present<'a, T>(

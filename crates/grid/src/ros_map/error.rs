@@ -88,10 +88,12 @@ pub enum RosMapError {
         tried: Vec<PathBuf>,
     },
     /// The image is damaged or of a kind that is not read.
-    #[error("{}: cannot be read as a PGM or PNG image: {problem}; save the map again or convert it to one of the two", path.display())]
+    #[error("{}{}: cannot be read as a PGM or PNG image: {problem}; save the map again or convert it to one of the two", path.display(), within(at))]
     DamagedImage {
         /// The image.
         path: PathBuf,
+        /// Line and column, each from 1, in the text of a netpbm image.
+        at: Option<(u64, u64)>,
         /// What the decoder reports.
         problem: String,
     },
@@ -114,6 +116,10 @@ impl RosMapError {
     pub fn is_io(&self) -> bool {
         matches!(self, Self::Unreadable { .. })
     }
+}
+
+fn within(at: &Option<(u64, u64)>) -> String {
+    at.map(|(line, column)| format!(":{line}:{column}")).unwrap_or_default()
 }
 
 fn listed(paths: &[PathBuf]) -> String {

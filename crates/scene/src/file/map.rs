@@ -28,6 +28,11 @@ pub(super) fn read(root: &Table, scene: &Path) -> Result<Option<Map>, SceneError
     let name = name.ok_or_else(|| refused("the name of a map's YAML file", "it is relative to the scene file"))?;
     let path = scene.parent().unwrap_or(Path::new("")).join(name);
     let map = ros_map::read(&path).map_err(|error| root.source().error(value.span().start, Problem::Map(error)))?;
+    if map.is_turned() {
+        let bound = format!("a map whose origin has the angle 0, not {}", map.yaw_rad);
+        let remedy = "`convert MAP.yaml STRAIGHT.yaml --origin X,Y,0` keeps its cells and lays its rows along x";
+        return Err(refused(&bound, remedy));
+    }
     let map = Map { map, texture, line: table.line() };
     if map.extent_m().iter().flatten().any(|v| v.abs() > METRES) {
         return Err(refused("a map within 1000000 m of the origin", "correct its origin and resolution"));
@@ -48,14 +53,14 @@ impl Map {
 
     /// Whether the map knows what is in its cells.
     pub(super) fn known(&self) -> Raster<bool> {
-        self.map.cells.map(Option::is_some)
+        self.map.cells().map(Option::is_some)
     }
 
     /// The occupied cells whose centres lie within `bounds`, merged into boxes.
     pub(super) fn obstacles(&self, [min, max]: [[f64; 2]; 2]) -> Vec<Obstacle> {
-        let spec = self.map.spec;
+        let (spec, cells) = (self.map.spec, self.map.cells());
         let inside = |cell| (0..2).all(|k| min[k] <= spec.centre(cell)[k] && spec.centre(cell)[k] <= max[k]);
-        let occupied = (0..spec.cells()).map(|cell| self.map.cells[cell] == Some(true) && inside(cell)).collect();
+        let occupied = (0..spec.cells()).map(|cell| cells[cell] == Some(true) && inside(cell)).collect();
         let rectangles = merged(&Raster::new(spec, occupied));
         let boxes = rectangles.iter().enumerate().map(|(k, r)| {
             let corner = |at: [usize; 2]| [0, 1].map(|a| spec.origin_m[a] + at[a] as f64 * spec.cell_m);

@@ -203,6 +203,25 @@ fn another_cell_size_keeps_what_the_map_does_not_know() {
 }
 
 #[test]
+fn a_turned_map_is_refused_with_what_to_do() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let scene = |angle: &str| {
+        map_scene(folder.path(), "").expect("valid");
+        let yaml = fs::read_to_string(folder.path().join("m.yaml")).expect("there").replace("0.0, 0.0]", angle);
+        fs::write(folder.path().join("m.yaml"), yaml).expect("written");
+        let scene = "name = \"m\"\nwaypoints = { A = [1.0, 2.0], B = [3.0, 2.0] }\nroute.stops = [\"A\", \"B\"]\nmap.file = \"m.yaml\"\n";
+        Scene::parse(scene, &folder.path().join("s.toml"), None)
+    };
+    let message = scene("0.0, 0.5]").map(|_| ()).expect_err("turned").to_string();
+    assert!(
+        message.contains("s.toml:4:12: ") && message.contains("must be a map whose origin has the angle 0, not 0.5"),
+        "{message}"
+    );
+    assert!(message.contains("convert MAP.yaml STRAIGHT.yaml --origin X,Y,0"), "{message}");
+    scene("0.0, 1e-9]").expect("the noise of a quaternion turns no cell");
+}
+
+#[test]
 fn a_damaged_map_is_refused_at_its_key() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     map_scene(folder.path(), "").expect("valid");

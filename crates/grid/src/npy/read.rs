@@ -1,0 +1,246 @@
+//! Occupancy out of NPY files.
+
+use std::fs::File;
+use std::io::{self, BufReader, Read as _};
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+use super::header::Header;
+
+/// As many cells as a map's image may have pixels.
+const MAX_CELLS: u64 = 100_000_000;
+
+/// Occupancy without a place: an NPY file knows no lengths.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Array {
+    /// Cells along x.
+    pub width: usize,
+    /// Cells along y.
+    pub height: usize,
+    /// Share of occupancy from 0 to 1, `None` where nothing is known; row by row, row 0 the lowest.
+    pub occupancy: Vec<Option<f32>>,
+}
+
+/// Why a file is no map. Every message is one line: place, value, bound, what to do.
+#[derive(Debug, Error)]
+pub enum NpyError {
+    /// The file cannot be opened or read.
+    #[error("{}: cannot be read: {source}; check the path and the permissions", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system reports.
+        source: io::Error,
+    },
+    /// Not an NPY file, or one that does not hold what its header says.
+    #[error("{}: {problem}; save the map again with numpy.save", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        problem: String,
+    },
+    /// An array that is no map.
+    #[error("{}: {what} = {value}: must be {bound}; {remedy}", path.display())]
+    Value {
+        /// The file.
+        path: PathBuf,
+        /// What of the array.
+        what: String,
+        /// What it is.
+        value: String,
+        /// What it must be.
+        bound: &'static str,
+        /// What to do.
+        remedy: &'static str,
+    },
+}
+
+impl NpyError {
+    /// Whether the system, not the content of the file, is at fault.
+    pub fn is_io(&self) -> bool {
+        matches!(self, Self::Unreadable { .. })
+    }
+}
+
+/// Reads a two-dimensional array, in C or Fortran order: rows are y, row 0 is the lowest.
+///
+/// float32 and float64 are shares of occupancy from 0 to 1, NaN is unknown, and float64 is rounded to float32; bool
+/// is occupied or free; int8 and uint8 are percent as in a ROS `OccupancyGrid`, -1 or 255 unknown.
+///
+/// # Errors
+/// A file that cannot be read, is no NPY file, ends too early, or holds another shape, type or value.
+pub fn read(path: &Path) -> Result<Array, NpyError> {
+    let reader = Reader { path };
+    let unreadable = |source| reader.unreadable(source);
+    let file = File::open(path).map_err(unreadable)?;
+    let length = file.metadata().map_err(unreadable)?.len();
+    let mut file = BufReader::new(file);
+    let header = reader.header(&mut file)?;
+    let [height, width] = reader.shape(&header)?;
+    let number = reader.number(&header)?;
+    let needed = height * width * number.bytes() as u64; // at most 800 million
+    let held = length.saturating_sub(header.bytes);
+    if held != needed {
+        let problem = format!(
+            "{height} x {width} values of type {} are {needed} bytes, but {held} follow its header",
+            header.descr
+        );
+        return Err(reader.damaged(problem));
+    }
+    let (height, width) = (height as usize, width as usize);
+    let kind = number.kind();
+    let mut occupancy = vec![None; width * height];
+    let mut bytes = [0; 8];
+    for k in 0..occupancy.len() {
+        let bytes = &mut bytes[..number.bytes()];
+        file.read_exact(bytes).map_err(unreadable)?;
+        let value = number.value(bytes);
+        let (row, column) = if header.fortran_order { (k % height, k / height) } else { (k / width, k % width) };
+        occupancy[row * width + column] = kind.occupancy(value).ok_or_else(|| {
+            let (bound, remedy) = kind.range();
+            reader.value(&format!("value [{row}, {column}]"), value.to_string(), bound, remedy)
+        })?;
+    }
+    // 1 % everywhere is no map: they are states.
+    let largest = occupancy.iter().flatten().copied().fold(0.0, f32::max);
+    if kind == Kind::Percent && largest > 0.0 && largest <= 0.01 {
+        let remedy = "save states as bool, or shares as float32";
+        return Err(reader.value("the largest value", "1".into(), "a percent, up to 100", remedy));
+    }
+    Ok(Array { width, height, occupancy })
+}
+
+/// How a number lies in the file.
+#[derive(Debug, Clone, Copy)]
+enum Number {
+    F4 { big: bool },
+    F8 { big: bool },
+    Bool,
+    I1,
+    U1,
+}
+
+impl Number {
+    fn of(descr: &str) -> Option<Self> {
+        Some(match descr {
+            "<f4" | ">f4" => Self::F4 { big: descr.starts_with('>') },
+            "<f8" | ">f8" => Self::F8 { big: descr.starts_with('>') },
+            "|b1" => Self::Bool,
+            "|i1" => Self::I1,
+            "|u1" => Self::U1,
+            _ => return None,
+        })
+    }
+
+    fn bytes(self) -> usize {
+        match self {
+            Self::F4 { .. } => 4,
+            Self::F8 { .. } => 8,
+            Self::Bool | Self::I1 | Self::U1 => 1,
+        }
+    }
+
+    fn kind(self) -> Kind {
+        match self {
+            Self::F4 { .. } | Self::F8 { .. } => Kind::Share,
+            Self::Bool => Kind::State,
+            Self::I1 | Self::U1 => Kind::Percent,
+        }
+    }
+
+    /// The number in so many bytes.
+    fn value(self, bytes: &[u8]) -> f32 {
+        match (self, bytes) {
+            (Self::F4 { big }, &[a, b, c, d]) => {
+                let bytes = [a, b, c, d];
+                if big { f32::from_be_bytes(bytes) } else { f32::from_le_bytes(bytes) }
+            }
+            (Self::F8 { big }, &[a, b, c, d, e, f, g, h]) => {
+                let bytes = [a, b, c, d, e, f, g, h];
+                (if big { f64::from_be_bytes(bytes) } else { f64::from_le_bytes(bytes) }) as f32
+            }
+            (Self::I1, &[byte]) => f32::from(byte.cast_signed()),
+            (_, &[byte]) => f32::from(byte),
+            _ => f32::NAN, // no such length
+        }
+    }
+}
+
+/// What the numbers of an array are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Kind {
+    Share,
+    State,
+    Percent,
+}
+
+impl Kind {
+    /// The occupancy that a value is; `None` for one out of range.
+    fn occupancy(self, value: f32) -> Option<Option<f32>> {
+        match self {
+            Self::Share if value.is_nan() => Some(None),
+            Self::Share | Self::State => (0.0..=1.0).contains(&value).then_some(Some(value)),
+            Self::Percent if (0.0..=100.0).contains(&value) => Some(Some((f64::from(value) / 100.0) as f32)),
+            // -1, and what it is in an unsigned byte.
+            Self::Percent => [-1.0, 255.0].contains(&value).then_some(None),
+        }
+    }
+
+    fn range(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Share => ("from 0 to 1, or NaN", "save shares of occupancy, not percent or log odds"),
+            Self::State => ("0 or 1", "save the array again"),
+            Self::Percent => {
+                ("from 0 to 100, or -1 or 255", "save percent of occupancy, as a ROS OccupancyGrid has them")
+            }
+        }
+    }
+}
+
+/// Reads one file, which its errors name.
+struct Reader<'a> {
+    path: &'a Path,
+}
+
+impl Reader<'_> {
+    fn header(&self, file: &mut BufReader<File>) -> Result<Header, NpyError> {
+        Header::read(file).map_err(|error| match error.kind() {
+            io::ErrorKind::InvalidData => self.damaged(error.to_string()),
+            _ => self.unreadable(error),
+        })
+    }
+
+    fn shape(&self, header: &Header) -> Result<[u64; 2], NpyError> {
+        let shape = header.shape.as_slice();
+        let cells = shape.iter().try_fold(1_u64, |product, &n| product.checked_mul(n));
+        match (shape, cells) {
+            (&[height, width], Some(1..=MAX_CELLS)) => Ok([height, width]),
+            _ => {
+                let value = format!("({})", shape.iter().map(u64::to_string).collect::<Vec<_>>().join(", "));
+                let bound = "two numbers, rows and columns, of at least 1 and at most 100000000 cells in all";
+                Err(self.value("shape", value, bound, "save one map, cropped or with larger cells"))
+            }
+        }
+    }
+
+    fn number(&self, header: &Header) -> Result<Number, NpyError> {
+        Number::of(&header.descr).ok_or_else(|| {
+            let bound = "float32, float64, bool, int8 or uint8";
+            self.value("dtype", header.descr.clone(), bound, "convert it with astype(\"float32\")")
+        })
+    }
+
+    fn unreadable(&self, source: io::Error) -> NpyError {
+        NpyError::Unreadable { path: self.path.into(), source }
+    }
+
+    fn damaged(&self, problem: String) -> NpyError {
+        NpyError::Damaged { path: self.path.into(), problem }
+    }
+
+    fn value(&self, what: &str, value: String, bound: &'static str, remedy: &'static str) -> NpyError {
+        NpyError::Value { path: self.path.into(), what: what.to_owned(), value, bound, remedy }
+    }
+}
