@@ -14,6 +14,7 @@ pub mod engine;
 pub mod estimate;
 pub mod failure;
 pub mod figures;
+pub mod from_map;
 pub mod gate;
 pub mod generate;
 pub mod interruption;

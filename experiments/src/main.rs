@@ -4,7 +4,8 @@ use std::process::ExitCode;
 
 use clap::Parser as _;
 use experiments::{
-    check, cli, compare, convert, estimate, gate, generate, list, ray, rebuild, room, sensor_model, speed, sweep, tune,
+    check, cli, compare, convert, estimate, from_map, gate, generate, list, ray, rebuild, room, sensor_model, speed,
+    sweep, tune,
 };
 
 fn main() -> ExitCode {
@@ -21,6 +22,8 @@ fn main() -> ExitCode {
         cli::Command::Convert(options) => convert::run(&options),
         cli::Command::Check(options) => check::run(&options),
         cli::Command::Scene(cli::SceneCommand::Generate(options)) => generate::run(&options),
+        cli::Command::Scene(cli::SceneCommand::FromMap(options)) => from_map::run(&options, from_map::Kind::Map),
+        cli::Command::Scene(cli::SceneCommand::FromPlan(options)) => from_map::run(&options, from_map::Kind::Plan),
         cli::Command::Estimate(options) => estimate::run(&options),
         cli::Command::List(options) => list::run(&options),
     };

@@ -389,3 +389,39 @@ fn a_generated_scene_file_is_the_layout() {
     assert!(err.contains("./attics.toml: is the family itself"), "{err}");
     assert_eq!(place.expect(0, &generate).0, text, "and it is as it was");
 }
+
+#[test]
+fn a_floor_plan_and_a_map_become_scenes_that_are_valid() {
+    let place = Place::new();
+    let at = |name: &str| place.path().join(name);
+    fs::create_dir(at("plans")).expect("made");
+    fs::write(at("plans/flat.json"), "{\"verts\": [[0, 0], [5, 0], [5, 2], [2, 2], [2, 4], [0, 4]]}").expect("written");
+    let pixels: Vec<u8> =
+        (0..400).map(|k| if k % 20 == 0 || k % 20 == 19 || k / 20 == 0 || k / 20 == 19 { 0 } else { 254 }).collect();
+    fs::write(at("m.pgm"), [b"P5\n20 20\n255\n".to_vec(), pixels].concat()).expect("written");
+    let yaml = "image: /elsewhere/m.pgm\nresolution: 0.2\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
+    fs::write(at("m.yaml"), yaml).expect("written");
+    for (kind, source, scene, named) in [
+        ("from-plan", "plans/flat.json", "flat.toml", "plans/flat.json"),
+        ("from-map", "m.yaml", "plans/m.toml", "../m.yaml"),
+    ] {
+        let (text, _) = place.expect(0, &["scene", kind, source, "--out", scene]);
+        assert!(text.contains("of the floor from at most 4 m away"), "{text}");
+        let written = fs::read_to_string(at(scene)).expect("written");
+        assert!(written.contains(&format!("file = \"{named}\"")), "{written}");
+        assert!(place.expect(0, &["check", scene]).0.contains(": valid"));
+    }
+    let (printed, _) = place.expect(0, &["scene", "from-plan", "plans/flat.json"]);
+    assert_eq!(printed, fs::read_to_string(at("flat.toml")).expect("written"), "for the folder one is in");
+    for (args, message) in [
+        (&["--out", "m.yaml"][..], "--out m.yaml: must be a file that ends in .toml"),
+        (&["--radius", "3"], "m.yaml: a robot of radius 3 m with 0.05 m to spare fits nowhere"),
+        (&["--start", "0.1,-1"], "m.yaml: start 0.1,-1: must lie in the largest space"),
+        (&["--start", "x"], "must be two numbers in m, such as 1.5,-2"),
+        (&["--clearance", "0"], "must be a number in m from 0.005 to 10"),
+    ] {
+        let (_, err) = place.expect(2, &[&["scene", "from-map", "m.yaml"][..], args].concat());
+        assert!(err.contains(message), "{err}");
+    }
+    assert_eq!(fs::read_to_string(at("m.yaml")).expect("there"), yaml, "the map is as it was");
+}

@@ -1,6 +1,6 @@
 //! Driving the route, by rapier: the robot is a kinematic character that stops at what it touches.
 
-mod course;
+pub(crate) mod course;
 
 use rapier2d_f64::control::{CharacterLength, KinematicCharacterController};
 use rapier2d_f64::math::{Pose2, Rot2, Vec2};

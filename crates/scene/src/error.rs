@@ -7,6 +7,8 @@ use grid::GridError;
 use grid::ros_map::RosMapError;
 use thiserror::Error;
 
+use crate::FloorPlanError;
+
 /// A place in a scene file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Place {
@@ -57,18 +59,22 @@ pub enum ErrorKind {
 impl SceneError {
     /// What the error comes from.
     pub fn kind(&self) -> ErrorKind {
-        let system = |source: &io::Error| {
-            let named_wrong = [io::ErrorKind::NotFound, io::ErrorKind::IsADirectory, io::ErrorKind::NotADirectory];
-            !named_wrong.contains(&source.kind())
-        };
-        let io = match self {
-            Self::Unreadable { source, .. } => system(source),
+        match self {
+            Self::Unreadable { source, .. } => ErrorKind::of(source),
             Self::Invalid { problem, .. } => match &**problem {
-                Problem::Map(RosMapError::Unreadable { source, .. }) => system(source),
-                _ => false,
+                Problem::Map(RosMapError::Unreadable { source, .. })
+                | Problem::Plan(FloorPlanError::Unreadable { source, .. }) => ErrorKind::of(source),
+                _ => ErrorKind::BadInput,
             },
-        };
-        if io { ErrorKind::Io } else { ErrorKind::BadInput }
+        }
+    }
+}
+
+impl ErrorKind {
+    /// A name that is wrong is the user's, a refusal the system's.
+    pub(crate) fn of(source: &io::Error) -> Self {
+        let named_wrong = [io::ErrorKind::NotFound, io::ErrorKind::IsADirectory, io::ErrorKind::NotADirectory];
+        if named_wrong.contains(&source.kind()) { Self::BadInput } else { Self::Io }
     }
 }
 
@@ -111,6 +117,12 @@ pub enum Problem {
     /// A map that cannot be read.
     #[error("[map]: {0}")]
     Map(RosMapError),
+    /// A floor plan that cannot be read.
+    #[error("[plan]: {0}")]
+    Plan(FloorPlanError),
+    /// Two places in one.
+    #[error("[plan] beside [map]: must be one of the two; take the other out")]
+    MapAndPlan,
     /// No grid can be made.
     #[error("{element}: cell = {cell_m} m: {source}")]
     Grid { element: String, cell_m: f64, source: GridError },

@@ -7,6 +7,7 @@ mod fit;
 pub mod limits;
 mod map;
 mod obstacles;
+pub(crate) mod plan;
 mod polygon;
 mod regions;
 mod route;
@@ -37,7 +38,7 @@ const CELL: Limit = Limit {
     remedy: "give the side of a cell, such as 0.05",
 };
 
-const KEYS: [&str; 16] = [
+const KEYS: [&str; 17] = [
     "name",
     "description",
     "bounds",
@@ -47,6 +48,7 @@ const KEYS: [&str; 16] = [
     "disc",
     "polygon",
     "map",
+    "plan",
     "waypoints",
     "route",
     "stage",
@@ -106,14 +108,18 @@ pub(crate) fn parse(text: &str, path: &Path, cell_m: Option<f64>) -> Result<Scen
 
     let name = root.name("name")?;
     let description = root.text("description")?.unwrap_or_default();
+    if root.get("map").is_some() && root.get("plan").is_some() {
+        return Err(source.error(root.offset_of("plan"), Problem::MapAndPlan));
+    }
     let map = map::read(&root, path)?;
-    let bounds_m = bounds(&root, map.as_ref().map(|map| map.extent_m()))?;
-    let (grid, known, mut obstacles) = match map {
-        None => (grid_spec(&root, bounds_m, cell_m, DEFAULT_CELL_M)?, None, Vec::new()),
-        Some(map) => {
-            let grid = grid_spec(&root, bounds_m, cell_m, map.cell_m())?;
-            (grid, Some(map.known()), map.obstacles(bounds_m))
-        }
+    let plan = plan::read(&root, path)?;
+    let extent_m = map.as_ref().map(|map| map.extent_m()).or(plan.as_ref().map(|plan| plan.extent_m()));
+    let bounds_m = bounds(&root, extent_m)?;
+    let grid = grid_spec(&root, bounds_m, cell_m, map.as_ref().map_or(DEFAULT_CELL_M, |map| map.cell_m()))?;
+    let (known, mut obstacles) = match (map, plan) {
+        (Some(map), _) => (Some(map.known()), map.obstacles(bounds_m)),
+        (_, Some(plan)) => (Some(plan.known(&grid)), plan.obstacles(bounds_m)),
+        _ => (None, Vec::new()),
     };
     obstacles.extend(obstacles::read(&root, bounds_m)?);
     let robot = camera::robot(&root)?;
@@ -142,10 +148,10 @@ pub(crate) fn parse(text: &str, path: &Path, cell_m: Option<f64>) -> Result<Scen
     })
 }
 
-/// `[bounds]`, which a map may stand in for.
-fn bounds(root: &Table, map: Option<[[f64; 2]; 2]>) -> Result<[[f64; 2]; 2], SceneError> {
+/// `[bounds]`, which the extent of a map or plan may stand in for.
+fn bounds(root: &Table, extent_m: Option<[[f64; 2]; 2]>) -> Result<[[f64; 2]; 2], SceneError> {
     let Some(table) = root.section("bounds")? else {
-        return map.ok_or_else(|| root.missing("[bounds]", "[bounds] with min = [x, y] and max = [x, y] in m"));
+        return extent_m.ok_or_else(|| root.missing("[bounds]", "[bounds] with min = [x, y] and max = [x, y] in m"));
     };
     table.only(&["min", "max"])?;
     let bounds = [table.point("min")?, table.point("max")?];

@@ -67,6 +67,30 @@ fn segment_box_holds(p: [f64; 2], q: [f64; 2], r: [f64; 2]) -> bool {
     (0..2).all(|k| p[k].min(q[k]) <= r[k] && r[k] <= p[k].max(q[k]))
 }
 
+/// The first two sides that meet other than at the corner they share.
+pub(crate) fn crossing(points: &[[f64; 2]]) -> Option<(usize, usize)> {
+    let n = points.len();
+    let side = |k: usize| (points[k], points[(k + 1) % n]);
+    for i in 0..n {
+        let (a, b) = side(i);
+        for j in i + 1..n {
+            let (c, d) = side(j);
+            let meet = if j == i + 1 || (i == 0 && j == n - 1) {
+                // Neighbours share a corner; they overlap if the outline turns straight back there.
+                let (before, corner, after) = if j == i + 1 { (a, b, d) } else { (c, a, b) };
+                let (back, on) = (minus(before, corner), minus(after, corner));
+                cross(back, on) == 0.0 && dot(back, on) > 0.0
+            } else {
+                segments_meet(a, b, c, d)
+            };
+            if meet {
+                return Some((i, j));
+            }
+        }
+    }
+    None
+}
+
 /// Whether the segment from `a` to `b` has a point in the rectangle from `min` to `max`.
 pub(crate) fn segment_meets_rectangle(a: [f64; 2], b: [f64; 2], min: [f64; 2], max: [f64; 2]) -> bool {
     let (mut enter, mut leave) = (0.0f64, 1.0f64);

@@ -11,7 +11,8 @@
 //!   their centres are.
 //!
 //! A [`Family`] makes a scene of every layout number, with furniture of a given mean size that keeps
-//! off the route; [`load`] takes a file of either form.
+//! off the route; [`load`] takes a file of either form. [`from_map`] and [`from_plan`] make a scene file of a
+//! robot's map or a floor plan, with a route that [`survey`] plans.
 //!
 //! Lengths are in metres, angles in radians, counter-clockwise from the x axis.
 
@@ -19,12 +20,15 @@ mod drive;
 mod error;
 mod family;
 mod file;
+mod floor_plan;
+mod from_map;
 mod generate;
 mod geometry;
 mod memory;
 mod scene;
 mod shape;
 mod simulate;
+mod survey;
 mod truth;
 mod world;
 
@@ -40,8 +44,11 @@ pub mod reader {
 
 pub use error::{ErrorKind, Place, Problem, SceneError};
 pub use family::{Family, Set, Variation, load};
+pub use floor_plan::{FloorPlan, FloorPlanError};
+pub use from_map::{MadeScene, MakeError, from_map, from_plan};
 pub use scene::{Area, Obstacle, Origin, Region, Robot, Scene, StagePlan, Stop, Waypoint};
 pub use shape::Shape;
 pub use simulate::{SimulatedScan, Simulation, Stage, simulate};
+pub use survey::{Survey, SurveyError, SurveyOptions, survey};
 pub use truth::{truth, truth_at_centres};
 pub use world::{Hit, World};

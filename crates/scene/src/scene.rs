@@ -25,7 +25,7 @@ pub struct Scene {
     pub grid: GridSpec,
     /// Everything that stands in the scene.
     pub obstacles: Vec<Obstacle>,
-    /// For a scene from a map, in the map's own cells: whether the map knows what is there.
+    /// For a scene from a map, in the map's own cells, or from a floor plan: whether it knows what is there.
     pub known: Option<Raster<bool>>,
     /// Named points, in the order of the file.
     pub waypoints: Vec<Waypoint>,
@@ -57,7 +57,7 @@ pub struct Obstacle {
 /// Which part of the scene file an obstacle comes from.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Origin {
-    /// `wall`, `box`, `disc`, `polygon` or `map box`.
+    /// `wall`, `box`, `disc`, `polygon`, `map box` or `plan wall`.
     pub kind: &'static str,
     /// Its number among those of its kind, from 1.
     pub number: usize,

@@ -53,7 +53,7 @@ fn free(scene: &Scene) -> Raster<Option<bool>> {
 }
 
 /// Sets the cells that a shape covers.
-fn occupy(truth: &mut Raster<Option<bool>>, shape: &Shape) {
+pub(crate) fn occupy(truth: &mut Raster<Option<bool>>, shape: &Shape) {
     let spec = *truth.spec();
     let corners = shape.corners_m();
     let [columns, rows] = span(&spec, shape);

@@ -1,10 +1,12 @@
 //! Time and pose along a route of turns and straight lines, with scans at even intervals.
 
+use std::convert::Infallible;
 use std::f64::consts::{PI, TAU};
 
 use sensor::Pose;
 
 use super::TimedPose;
+use crate::Robot;
 use crate::geometry::{distance, minus};
 
 /// Times nearer than this are the same moment, s.
@@ -96,6 +98,25 @@ impl Course {
         self.poses.push(TimedPose { time_s, pose: self.pose });
         self.k += 1.0;
     }
+}
+
+/// The poses of a drive along `stops_m` on which nothing is in the way, with a scan on arrival at the last.
+pub(crate) fn undisturbed(stops_m: &[[f64; 2]], robot: &Robot) -> Vec<TimedPose> {
+    let heading = |leg: &[[f64; 2]]| {
+        let [x, y] = minus(leg[1], leg[0]);
+        libm::atan2(y, x)
+    };
+    let mut legs = stops_m.windows(2).peekable();
+    let (Some(first), Some(&start)) = (legs.peek(), stops_m.first()) else { return Vec::new() };
+    let mut course = Course::start(start, heading(first), robot.scan_interval_s);
+    for leg in legs {
+        course.turn(heading(leg), robot.turn_rate_rad_s);
+        let Ok(()) = course.straight(leg[1], robot.speed_m_s, |from, wish| {
+            Ok::<_, Infallible>([from[0] + wish[0], from[1] + wish[1]])
+        });
+    }
+    course.scan_on_arrival();
+    course.into_poses()
 }
 
 /// The short way round from one heading to another, rad, in -pi ..= pi.

@@ -1,6 +1,6 @@
 //! `points` of a polygon: a simple outline, turned counter-clockwise.
 
-use crate::geometry::{cross, distance, dot, minus, segments_meet, signed_area};
+use crate::geometry::{crossing, distance, signed_area};
 use crate::{Problem, SceneError};
 
 use super::table::{POINT, Table};
@@ -43,28 +43,4 @@ pub(super) fn points(table: &Table) -> Result<Vec<[f64; 2]>, SceneError> {
         return Err(table.refuse(KEY, value, "the corners of a polygon with an area", "the points lie on one line"));
     }
     Ok(points)
-}
-
-/// The first two sides that meet other than at the corner they share.
-fn crossing(points: &[[f64; 2]]) -> Option<(usize, usize)> {
-    let n = points.len();
-    let side = |k: usize| (points[k], points[(k + 1) % n]);
-    for i in 0..n {
-        let (a, b) = side(i);
-        for j in i + 1..n {
-            let (c, d) = side(j);
-            let meet = if j == i + 1 || (i == 0 && j == n - 1) {
-                // Neighbours share a corner; they overlap if the outline turns straight back there.
-                let (before, corner, after) = if j == i + 1 { (a, b, d) } else { (c, a, b) };
-                let (back, on) = (minus(before, corner), minus(after, corner));
-                cross(back, on) == 0.0 && dot(back, on) > 0.0
-            } else {
-                segments_meet(a, b, c, d)
-            };
-            if meet {
-                return Some((i, j));
-            }
-        }
-    }
-    None
 }
