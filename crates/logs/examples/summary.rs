@@ -1,14 +1,25 @@
 //! What a log holds: counts, duration, path, extent, and how fast it was read.
 //!
 //! `cargo run --release -p logs --example summary -- FILE [TRAJECTORY]`
-#![allow(clippy::print_stdout, reason = "a program for the terminal")]
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program for the terminal")]
 
 use std::error::Error;
+use std::process::ExitCode;
 use std::time::Instant;
 
 use logs::{Body, Log, Options, Trajectory};
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> ExitCode {
+    match summarise() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn summarise() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args_os().skip(1);
     let path = arguments.next().ok_or("give a log: summary FILE [TRAJECTORY]")?;
     let start = Instant::now();
