@@ -169,7 +169,7 @@ fn unknown_cells_are_kept_off_as_walls_are() {
 #[test]
 fn a_robots_own_map_is_covered() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/maps/UMA_236_237.yaml");
-    let cells = ros_map::read(&path).expect("a map").cells;
+    let cells = ros_map::read(&path).expect("a map").cells();
     let options = SurveyOptions::default();
     let once = survey(&cells, &options).expect("a route");
     assert!(once.seen > 0.97, "{}", once.seen);

@@ -1,0 +1,105 @@
+//! Why a log is refused.
+
+use std::io;
+
+use thiserror::Error;
+
+/// Why a log or a trajectory is refused. Every message is one line: place, value, bound, what to do.
+#[derive(Debug, Error)]
+pub enum LogError {
+    /// The file cannot be opened.
+    #[error("{place}: cannot be opened: {source}; check the path and the permissions")]
+    Unreadable {
+        /// The file.
+        place: String,
+        /// What the system reports.
+        source: io::Error,
+    },
+    /// It is a folder.
+    #[error("{place}: is a folder; give one log")]
+    Folder {
+        /// The path.
+        place: String,
+    },
+    /// Reading came to an end before the log did: a disk's error, or compressed data that are cut or damaged.
+    #[error(
+        "{place}: cannot be read beyond line {line}: {source}; what stands before was read, get a whole copy of the file"
+    )]
+    Interrupted {
+        /// The file.
+        place: String,
+        /// The last line that was read; 0 where none was.
+        line: u64,
+        /// What the system or the decoder reports.
+        source: io::Error,
+    },
+    /// The first line of a table does not name its columns as it must.
+    #[error("{place}:{line}: {reason}")]
+    Head {
+        /// The file.
+        place: String,
+        /// Line, from 1.
+        line: u64,
+        /// What is wrong and what to do.
+        reason: String,
+    },
+    /// Nothing in the file is a scan.
+    #[error(
+        "{place}: no scan in {lines} lines{reason}; give a CARMEN log with FLASER or ROBOTLASER1, or a table of scans"
+    )]
+    NoScan {
+        /// The file.
+        place: String,
+        /// Number of lines.
+        lines: u64,
+        /// The first problem or what was skipped, if anything was.
+        reason: String,
+    },
+    /// Too many lines are damaged.
+    #[error(
+        "{place}:{line}: {reason}; {damaged} of {lines} lines are damaged, which is more than {} %; repair the log, or allow more",
+        share * 100.0
+    )]
+    Damaged {
+        /// The file.
+        place: String,
+        /// The first damaged line.
+        line: u64,
+        /// What is wrong with it.
+        reason: String,
+        /// Number of damaged lines.
+        damaged: u64,
+        /// Number of all lines that are not blank.
+        lines: u64,
+        /// The share that is allowed, 0 to 1.
+        share: f64,
+    },
+    /// An option has a value that makes no sense.
+    #[error("option {name}: {value}: must be {bound}")]
+    Option {
+        /// The option.
+        name: &'static str,
+        /// Its value.
+        value: String,
+        /// What it must be.
+        bound: &'static str,
+    },
+    /// A trajectory is not as it must be.
+    #[error("{place}:{line}: {reason}")]
+    Trajectory {
+        /// The file.
+        place: String,
+        /// Line, from 1.
+        line: u64,
+        /// What is wrong and what to do.
+        reason: String,
+    },
+    /// A trajectory was given for a table that has no times.
+    #[error(
+        "{place}: has no column time_s, so that a trajectory cannot give its poses; add the column, or leave the trajectory out"
+    )]
+    Untimed {
+        /// The table.
+        place: String,
+    },
+}
