@@ -9,7 +9,7 @@ use sensor::lanes::{LANES, Lanes};
 use sensor::{Ray, Scan, SensorModel};
 
 use crate::lines::Lines;
-use crate::tiles::{Numbering, TILE, Tiles, split};
+use crate::tiles::{Numbering, PATCH, TILE, Tiles, split};
 use crate::work::{Held as _, Work};
 use crate::{EPSILON, Mapper, catalogue::Setup};
 
@@ -71,8 +71,8 @@ struct Tile {
     log_odds: [f64; TILE],
     /// [`MISS`], [`HIT`] and [`KNOWN`].
     seen: [u8; TILE],
-    /// Whether the scan has said anything of it so far.
-    touched: bool,
+    /// Whether the scan has said anything of each of its patches so far.
+    touched: [bool; TILE / PATCH],
 }
 
 /// The scan has passed through the cell.
@@ -96,8 +96,8 @@ pub struct ConstantIncrements {
     prior: f64,
     map: Tiles<Tile>,
     sensor: Arc<dyn SensorModel>,
-    /// Tiles that the scan has said anything of so far.
-    touched: Vec<usize>,
+    /// First cells of the patches that the scan has said anything of so far.
+    touched: Vec<u32>,
     cells: u64,
     /// The map as others see it, made when it is asked for.
     occupancy: OnceCell<Raster<f64>>,
@@ -106,7 +106,7 @@ pub struct ConstantIncrements {
 impl ConstantIncrements {
     /// The unseen map.
     pub fn new(setup: &Setup, rule: LogOdds) -> Self {
-        let unknown = Tile { log_odds: [log_odds(rule.start); TILE], seen: [0; TILE], touched: false };
+        let unknown = Tile { log_odds: [log_odds(rule.start); TILE], seen: [0; TILE], touched: [false; TILE / PATCH] };
         Self {
             steps: rule.steps(),
             no_echo_m: rule.no_echo_m,
@@ -173,9 +173,9 @@ impl WithSimd for Mark<'_> {
             for l in (0..LANES).filter(|l| alive[*l] > 0.0) {
                 let (tile, place) = split(cell[l]);
                 let here = map.make(tile);
-                if !here.touched {
-                    here.touched = true;
-                    touched.push(tile);
+                if !here.touched[place / PATCH] {
+                    here.touched[place / PATCH] = true;
+                    touched.push(cell[l] - (place % PATCH) as u32);
                 }
                 here.seen[place] |= if step.exit[l] >= ranges[l] { HIT } else { MISS };
             }
@@ -184,15 +184,16 @@ impl WithSimd for Mark<'_> {
 }
 
 /// What a scan has marked becomes odds, with what the processor has.
-struct Apply<'a>(&'a mut Tile, Steps);
+struct Apply<'a>(&'a mut Tile, usize, Steps);
 
 impl WithSimd for Apply<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self(Tile { log_odds, seen, touched }, Steps { hit, miss, low, high }) = self;
-        for (log_odds, seen) in log_odds.iter_mut().zip(seen) {
+        let Self(Tile { log_odds, seen, touched }, from, Steps { hit, miss, low, high }) = self;
+        let patch = from..from + PATCH;
+        for (log_odds, seen) in log_odds[patch.clone()].iter_mut().zip(&mut seen[patch]) {
             let after = *log_odds + if *seen & HIT != 0 { hit } else { miss };
             let after = if after > low { after } else { low };
             let after = if after < high { after } else { high };
@@ -200,7 +201,7 @@ impl WithSimd for Apply<'_> {
             *log_odds = if said { after } else { *log_odds };
             *seen = if said { KNOWN } else { *seen };
         }
-        *touched = false;
+        touched[from / PATCH] = false;
     }
 }
 
@@ -217,8 +218,9 @@ impl Mapper for ConstantIncrements {
             }
             arch.dispatch(Mark { mapper: self, lines, ranges });
         }
-        for tile in self.touched.drain(..) {
-            arch.dispatch(Apply(self.map.make(tile), self.steps));
+        for first in self.touched.drain(..) {
+            let (tile, from) = split(first);
+            arch.dispatch(Apply(self.map.make(tile), from, self.steps));
         }
         self.occupancy.take();
     }

@@ -205,10 +205,10 @@ mod tests {
             for number in 0..(numbering.tiles() * TILE) as u32 {
                 let at = numbering.column_row(number);
                 prop_assert_eq!(numbering.number(at[0], at[1]), number);
-                for axis in 0..2 {
+                for (axis, at) in at.into_iter().enumerate() {
                     let last = numbering.tiles[axis] * TILE_SIDE - 1;
-                    prop_assert_eq!(numbering.after(number, axis).is_none(), at[axis] == last);
-                    prop_assert_eq!(numbering.before(number, axis).is_none(), at[axis] == 0);
+                    prop_assert_eq!(numbering.after(number, axis).is_none(), at == last);
+                    prop_assert_eq!(numbering.before(number, axis).is_none(), at == 0);
                 }
             }
         }

@@ -52,7 +52,8 @@ pub(crate) fn mean_density(low: f64, high: f64, reach: f64) -> f64 {
 }
 
 /// Mean of the cumulative distribution over `low ..= high`, 0 before `-reach` and 1 beyond `reach`; where the interval is
-/// short, the series about its middle, which leaves out terms of order `width^4 / 1920`.
+/// short, the series about its middle, which leaves out terms of order `width^4 / 1920`. Never below 0, where nothing but
+/// rounding is left.
 pub(crate) fn mean_cumulative(low: f64, high: f64, reach: f64) -> f64 {
     const SHORT: f64 = 1e-3;
     let width = high - low;
@@ -61,11 +62,11 @@ pub(crate) fn mean_cumulative(low: f64, high: f64, reach: f64) -> f64 {
     } else if low > reach || width == f64::INFINITY {
         1.0
     } else if width >= SHORT {
-        ((exact_integral(high) - exact_integral(low)) / width).min(1.0)
+        ((exact_integral(high) - exact_integral(low)) / width).clamp(0.0, 1.0)
     } else {
         let middle = 0.5 * (low + high);
         let cumulative = if middle < 0.0 { tail(middle) } else { 1.0 - tail(middle) };
-        cumulative - width * width * middle * density(middle) / 24.0
+        (cumulative - width * width * middle * density(middle) / 24.0).clamp(0.0, 1.0)
     }
 }
 

@@ -326,7 +326,7 @@ mod tests {
             prop_assert!((a - b).abs() <= spread + 1e-9, "{a} {b} {spread}");
             prop_assert!(spread <= STEREO.spread_from(reading, bearing, 0.9 * from));
             let far = STEREO.spread_from(reading, bearing, 1e9);
-            prop_assert!(far < 1e-6 && far >= 0.0, "{far}");
+            prop_assert!((0.0..1e-6).contains(&far), "{far}");
         }
 
         #[test]

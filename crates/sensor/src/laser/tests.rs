@@ -107,6 +107,24 @@ fn without_outliers_the_tails_count() {
     }
 }
 
+/// Found by chance: 38 standard deviations from the largest range, what rounding left was -1.6e-322.
+#[test]
+fn likelihoods_are_never_negative() {
+    let (range_sigma_m, max_range_m, early_per_m) =
+        (0.198_412_989_802_784_85, 7.930_855_447_354_196, 0.009_537_773_586_698_384);
+    let laser = Laser { range_sigma_m, max_range_m, hit: 1.0, no_echo: 0.0, early_per_m };
+    let enter = 0.286_554_441_211_254_54;
+    for k in 0..1000 {
+        let found = likelihood(
+            &laser,
+            NOTHING,
+            enter + 1e-3 * f64::from(k),
+            enter + 1e-3 * f64::from(k) + 0.022_346_782_990_343_973,
+        );
+        assert!(found >= 0.0, "{k}: {found}");
+    }
+}
+
 #[test]
 fn an_echo_is_a_point_and_no_echo_is_none() {
     assert_eq!(LASER.range_of(3.0, 0.4), Some(3.0), "a range is a range at any bearing");
