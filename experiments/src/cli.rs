@@ -9,6 +9,7 @@ use crate::compare::options::CompareOptions;
 use crate::convert::ConvertOptions;
 use crate::gate::GateOptions;
 use crate::ray::RayOptions;
+use crate::replay::ReplayOptions;
 use crate::sensor_model::SensorOptions;
 use crate::speed::SpeedOptions;
 use crate::sweep::SweepOptions;
@@ -49,6 +50,8 @@ pub enum Command {
     Sensor(SensorOptions),
     /// What every mapper costs on this machine, side by side: time per cell, ray and scan, and memory
     Speed(SpeedOptions),
+    /// Map what a real robot recorded, and score the maps by how well they predict scans kept back
+    Replay(Box<ReplayOptions>),
     /// Make the page of a folder of results anew, from what the folder says it was made from
     Report(ReportOptions),
     /// Convert a map between ROS YAML and image, NPY and PNG, cell by cell

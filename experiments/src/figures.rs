@@ -15,6 +15,7 @@ mod mark;
 mod panel;
 pub mod ray;
 pub mod regions;
+pub mod replay;
 pub mod scene;
 pub mod timeline;
 pub mod tuning;

@@ -24,6 +24,7 @@ pub mod progress;
 pub mod ray;
 pub mod rebuild;
 pub mod record;
+pub mod replay;
 pub mod report;
 pub mod room;
 pub mod scenes;

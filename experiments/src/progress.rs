@@ -55,6 +55,11 @@ impl Count {
         Self { bar: bar(measurements as u64, "{bar:32} {pos}/{len} measurements, {elapsed}") }
     }
 
+    /// A bar over the scans of a log, with their rate.
+    pub fn scans(scans: u64) -> Self {
+        Self { bar: bar(scans, "{bar:32} {pos}/{len} scans, {per_sec:.0}, {eta} left") }
+    }
+
     /// One more is finished.
     pub fn step(&self) {
         self.bar.inc(1);

@@ -31,6 +31,7 @@ mod moments;
 pub mod mrf;
 pub mod no_occlusion;
 mod pairs;
+mod predictive;
 pub mod printed;
 mod prior;
 mod ray;
@@ -52,6 +53,7 @@ pub use moments::Moments;
 pub use mrf::{Field, Mrf};
 pub use no_occlusion::NoOcclusion;
 pub use pairs::{Broken, Joint, PairwiseGrid};
+pub use predictive::{Belief, Predictive};
 pub use prior::{CorrelationLaw, Prior};
 pub use reconcile::Reconciliation;
 pub use tuning::Tuning;
@@ -79,6 +81,11 @@ pub trait Mapper: Send {
     /// Probability, 0 to 1, that each cell is occupied, given the scans up to the last
     /// [`settle`](Self::settle), or so far if the mapper is no batch mapper.
     fn occupancy(&self) -> &Raster<f64>;
+
+    /// The joint probabilities of neighbours, of a map that holds them; made for the call.
+    fn pairwise(&self) -> Option<PairwiseGrid> {
+        None
+    }
 
     /// What it has done since it was made, and the memory that it holds. A mapper that does not say is taken to hold
     /// its occupancy alone.

@@ -276,6 +276,10 @@ impl Mapper for Lockstep {
         self.occupancy.get_or_init(|| self.map.raster([0, 0], spec, |tile, place| f64::from(tile.occupied[place])))
     }
 
+    fn pairwise(&self) -> Option<PairwiseGrid> {
+        self.continuity.then(|| self.pairs())
+    }
+
     fn work(&self) -> Work {
         let held = self.workers.iter().map(|worker| worker.bundle.bytes() + worker.tally.bytes());
         let held = held.sum::<usize>() + self.moved.held();

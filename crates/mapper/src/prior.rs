@@ -52,12 +52,12 @@ impl Prior {
     }
 
     /// The occupancy, kept off 0 and 1.
-    pub(crate) fn marginal(&self) -> f64 {
+    pub fn marginal(&self) -> f64 {
         self.occupancy.clamp(EPSILON, 1.0 - EPSILON)
     }
 
     /// `u0 = P(E_{j+1} | not E_j)` of unseen cells of side `cell_m` (m).
-    pub(crate) fn onset(&self, cell_m: f64) -> f64 {
+    pub fn onset(&self, cell_m: f64) -> f64 {
         let p = self.marginal();
         ((p - both_occupied(p, p, self.neighbour_correlation(cell_m))) / (1.0 - p)).clamp(0.0, 1.0)
     }

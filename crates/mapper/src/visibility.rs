@@ -112,6 +112,10 @@ impl Mapper for Visibility {
         self.pairs.marginals()
     }
 
+    fn pairwise(&self) -> Option<PairwiseGrid> {
+        matches!(self.continuity, Continuity::Kept).then(|| self.pairs.clone())
+    }
+
     fn work(&self) -> Work {
         Work { cells: self.cells, bytes: self.pairs.held() + self.moments.held() + self.ray.held() }
     }

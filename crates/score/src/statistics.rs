@@ -1,5 +1,6 @@
 //! Which of two methods is better, by how much, and how sure that is: statistics of paired values.
 
+mod blocks;
 mod bootstrap;
 mod comparison;
 mod differences;
@@ -9,6 +10,7 @@ mod normal;
 mod signed_rank;
 mod verdict;
 
+pub use blocks::{SeriesMean, series_mean};
 pub use bootstrap::{Interval, RESAMPLES};
 pub use comparison::{Comparison, FEWEST_PAIRS, SIGNIFICANCE};
 pub use error::StatisticsError;

@@ -34,6 +34,12 @@ pub enum StatisticsError {
         /// All pairs.
         given: usize,
     },
+    /// A series without a mean.
+    #[error("a series of {members} members has no mean: give sums that are finite, over one part or more in all")]
+    Series {
+        /// Number of members.
+        members: usize,
+    },
     /// Something that is no p-value.
     #[error("p-value {value} at {place} is not within 0 to 1: leave out tests that were not made, as None")]
     PValue {

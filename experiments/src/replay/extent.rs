@@ -1,0 +1,148 @@
+//! The first reading of a log: what is in it, and where.
+
+use grid::GridSpec;
+use logs::{Report, Sensor};
+use sensor::{Scan, SensorModel};
+
+use super::MOST_CELLS;
+use super::recording::{self, Recording};
+use crate::failure::Failure;
+
+/// Places on the path that are kept for the picture, at most.
+const MOST_PLACES: usize = 4096;
+
+/// Ranges are counted in steps of this, m.
+const STEP_M: f64 = 0.1;
+
+/// What lies around the outermost readings, m.
+const MARGIN_M: f64 = 0.5;
+
+/// Share of the echoes that lie within the reach of the map.
+const WITHIN: f64 = 0.99;
+
+/// What a log holds.
+pub(super) struct Survey {
+    /// Where it is.
+    place: String,
+    /// What took it.
+    pub(super) sensor: Sensor,
+    /// Scans in use.
+    pub(super) kept: u64,
+    /// Counts of everything.
+    pub(super) report: Report,
+    /// Where the sensor went, thinned.
+    pub(super) path: Vec<[f64; 2]>,
+    /// How far, m.
+    pub(super) length_m: f64,
+    /// Range up to which readings count for the extent, m.
+    pub(super) reach_m: f64,
+    low: [f64; 2],
+    high: [f64; 2],
+}
+
+impl Survey {
+    /// Reads the log twice: ranges first, unless the reach (m) is given, then places.
+    pub(super) fn of(recording: &Recording, reach: Option<f64>, sensor: &dyn SensorModel) -> Result<Self, Failure> {
+        let reach_m = match reach {
+            Some(reach) => reach,
+            None => usual_range(recording, sensor)?,
+        };
+        let mut log = recording.scans()?;
+        let mut survey = Self {
+            place: recording.place(),
+            sensor: log.sensor(),
+            kept: 0,
+            report: Report::default(),
+            path: Vec::new(),
+            length_m: 0.0,
+            reach_m,
+            low: [f64::INFINITY; 2],
+            high: [f64::NEG_INFINITY; 2],
+        };
+        let (mut every, mut before) = (1, None::<[f64; 2]>);
+        for scan in &mut log {
+            let scan = scan.map_err(recording::refused)?;
+            let at = scan.pose.position_m();
+            survey.length_m += before.map_or(0.0, |before| libm::hypot(at[0] - before[0], at[1] - before[1]));
+            before = Some(at);
+            survey.include(at);
+            survey.ends(&scan, sensor);
+            if survey.kept.is_multiple_of(every) {
+                survey.path.push(at);
+            }
+            if survey.path.len() > MOST_PLACES {
+                every *= 2;
+                let mut odd = false;
+                survey.path.retain(|_| {
+                    odd = !odd;
+                    odd
+                });
+            }
+            survey.kept += 1;
+        }
+        survey.report = log.report().clone();
+        Ok(survey)
+    }
+
+    /// From the first to the last scan in use, s.
+    pub(super) fn duration_s(&self) -> f64 {
+        self.report.span_s.map_or(0.0, |[first, last]| last - first)
+    }
+
+    /// The cells of a map of it.
+    ///
+    /// # Errors
+    /// No place at all, or far too many cells.
+    pub(super) fn grid(&self, cell_m: f64) -> Result<GridSpec, Failure> {
+        let refuse = |what: String| Failure::BadInput(format!("{}: {what}", self.place));
+        let corner = |at: f64, by: f64| ((at + by) / cell_m).floor() * cell_m;
+        let low = self.low.map(|at| corner(at, -MARGIN_M));
+        let high = self.high.map(|at| corner(at, MARGIN_M + cell_m));
+        let size = |high: f64, low: f64| format!("{:.0} m", high - low);
+        let extent = || format!("{} x {}", size(high[0], low[0]), size(high[1], low[1]));
+        let grid = GridSpec::covering(low, high, cell_m).map_err(|error| refuse(format!("{}: {error}", extent())))?;
+        if grid.cells() > MOST_CELLS {
+            return Err(refuse(format!(
+                "the map of {} has {} cells of {cell_m} m, more than {MOST_CELLS}; use larger cells (--grid), a shorter --reach, or \
+                 a part of the log (--window); or the poses are not in m",
+                extent(),
+                grid.cells(),
+            )));
+        }
+        Ok(grid)
+    }
+
+    fn include(&mut self, at: [f64; 2]) {
+        self.low = [0, 1].map(|k| self.low[k].min(at[k]));
+        self.high = [0, 1].map(|k| self.high[k].max(at[k]));
+    }
+
+    fn ends(&mut self, scan: &Scan, sensor: &dyn SensorModel) {
+        for ray in scan.rays() {
+            let range = ray.reading.and_then(|reading| sensor.range_of(reading, ray.bearing_rad));
+            if let Some(range_m) = range.filter(|range| *range <= self.reach_m) {
+                self.include([0, 1].map(|k| ray.origin_m[k] + range_m * ray.direction[k]));
+            }
+        }
+    }
+}
+
+/// The range within which all but a few readings lie, m.
+fn usual_range(recording: &Recording, sensor: &dyn SensorModel) -> Result<f64, Failure> {
+    let mut counts = vec![0u64; 2001];
+    for scan in recording.scans()? {
+        let scan = scan.map_err(recording::refused)?;
+        for ray in scan.rays() {
+            if let Some(range_m) = ray.reading.and_then(|reading| sensor.range_of(reading, ray.bearing_rad)) {
+                counts[((range_m / STEP_M) as usize).min(2000)] += 1;
+            }
+        }
+    }
+    let all: u64 = counts.iter().sum();
+    let mut sum = 0;
+    let within = counts.iter().position(|count| {
+        sum += count;
+        sum as f64 >= WITHIN * all as f64
+    });
+    Ok(STEP_M * (within.unwrap_or(0) + 1) as f64)
+}

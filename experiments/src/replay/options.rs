@@ -1,0 +1,185 @@
+//! Options of `replay`.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use clap::{Args, ValueEnum};
+use logs::Sensor;
+use sensor::{Laser, Stereo};
+
+use super::Shared;
+use crate::cli::{Belief, Format, MOST_THREADS, count, positive, probability};
+use crate::failure::Failure;
+
+/// Mappers where none are named: those that a robot would run, and what knows nothing.
+const MAPPERS: &str = "visibility,conventional,log-odds-octomap,log-odds-cartographer,prior";
+
+/// Options of `replay`.
+#[derive(Debug, Args)]
+#[command(after_long_help = FORMATS)]
+pub struct ReplayOptions {
+    /// CARMEN log or table of scans, plain or gzip; its forms: replay --help
+    #[arg(value_name = "LOG")]
+    pub log: PathBuf,
+    /// Poses instead of the log's, in the TUM format (time x y z qx qy qz qw), by the log's own clock
+    #[arg(long, value_name = "FILE")]
+    pub trajectory: Option<PathBuf>,
+    /// What the trajectory is of
+    #[arg(long, value_enum, default_value_t, requires = "trajectory")]
+    pub body: Body,
+    /// Mappers, comma-separated (see `list`)
+    #[arg(long, value_name = "A,B", value_delimiter = ',', default_value = MAPPERS)]
+    pub mappers: Vec<String>,
+    /// Keep every K-th scan back, for the maps to predict
+    #[arg(long, value_name = "K", default_value_t = 10, allow_negative_numbers = true, value_parser = clap::value_parser!(u64).range(2..=1_000_000))]
+    pub hold_out: u64,
+    /// Side of a cell in metres
+    #[arg(long, value_name = "M", default_value_t = 0.05, allow_negative_numbers = true, value_parser = positive)]
+    pub grid: f64,
+    /// The map covers all poses and what was read up to this range, m [default: the range of 99 in 100 echoes]
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive)]
+    pub reach: Option<f64>,
+    /// Readings below this are not used, m
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive)]
+    pub min_range: Option<f64>,
+    /// Readings from this on are no echo, m [default: what the log says, else 80]
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive)]
+    pub max_range: Option<f64>,
+    /// Use every N-th scan alone
+    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = count(1_000_000))]
+    pub every: u32,
+    /// Use scans of these times alone, s since the first
+    #[arg(long, value_name = "FROM,TO", allow_hyphen_values = true, value_parser = window)]
+    pub window: Option<[f64; 2]>,
+    /// Use a scan only once the sensor has moved so far, m, or turned by --least-turn
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive)]
+    pub least_move: Option<f64>,
+    /// As --least-move, for turns, degrees
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = positive)]
+    pub least_turn: Option<f64>,
+    /// Share of damaged lines above which the log is refused
+    #[arg(long, value_name = "P", default_value_t = 0.05, allow_negative_numbers = true, value_parser = probability)]
+    pub damaged_share: f64,
+    /// What the mappers believe before the first reading
+    #[command(flatten)]
+    pub belief: Belief,
+    /// What the mappers know of a laser
+    #[command(flatten)]
+    pub laser: LaserOptions,
+    /// What the mappers know of a stereo camera
+    #[command(flatten)]
+    pub stereo: StereoOptions,
+    /// Folder for tables, maps, pictures and report, written whole or not at all [default: results/replay- and the log's name]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Form of the table on stdout
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+    /// Threads to use, all processors if not given; results do not depend on it
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = count(MOST_THREADS))]
+    pub threads: Option<u32>,
+}
+
+/// What a trajectory is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum Body {
+    /// the sensor
+    #[default]
+    Sensor,
+    /// the robot, on which the sensor stands as the log says
+    Robot,
+}
+
+/// The kernel of a laser.
+#[derive(Debug, Clone, Copy, Args)]
+#[command(next_help_heading = "Laser")]
+pub struct LaserOptions {
+    /// Standard deviation of an echo, m
+    #[arg(long, value_name = "M", default_value_t = Laser::default().range_sigma_m, allow_negative_numbers = true, value_parser = positive)]
+    pub range_sigma: f64,
+    /// Probability that a pulse is reflected by the first obstacle on the map
+    #[arg(long, value_name = "P", default_value_t = Laser::default().hit, allow_negative_numbers = true, value_parser = probability)]
+    pub hit: f64,
+    /// Probability that a pulse is lost; what this and --hit leave of one are outliers
+    #[arg(long, value_name = "P", default_value_t = Laser::default().no_echo, allow_negative_numbers = true, value_parser = probability)]
+    pub no_echo: f64,
+    /// Things on no map that stand in a metre of beam, 1/m
+    #[arg(long, value_name = "RATE", default_value_t = Laser::default().early_per_m, allow_negative_numbers = true, value_parser = probability)]
+    pub early: f64,
+}
+
+/// The kernel of a stereo camera.
+#[derive(Debug, Clone, Copy, Args)]
+#[command(next_help_heading = "Stereo camera")]
+pub struct StereoOptions {
+    /// Focal length times baseline, px·m
+    #[arg(long, value_name = "PX·M", default_value_t = Stereo::default().focal_baseline, allow_negative_numbers = true, value_parser = positive)]
+    pub focal_baseline: f64,
+    /// Standard deviation of a correct disparity, px
+    #[arg(long, value_name = "PX", default_value_t = Stereo::default().disparity_sigma, allow_negative_numbers = true, value_parser = positive)]
+    pub disparity_sigma: f64,
+    /// Probability of a correct match
+    #[arg(long, value_name = "P", default_value_t = Stereo::default().correct_match, allow_negative_numbers = true, value_parser = probability)]
+    pub correct_match: f64,
+    /// Largest disparity searched, px
+    #[arg(long, value_name = "PX", default_value_t = Stereo::default().max_disparity, allow_negative_numbers = true, value_parser = positive)]
+    pub max_disparity: f64,
+}
+
+fn window(text: &str) -> Result<[f64; 2], String> {
+    let bound = "two numbers of seconds that rise, such as 60,120";
+    let parts: Vec<f64> = text.split(',').filter_map(|part| part.trim().parse().ok()).collect();
+    match parts[..] {
+        [from, to] if from < to && from.is_finite() && text.split(',').count() == 2 => Ok([from, to]),
+        _ => Err(format!("must be {bound}")),
+    }
+}
+
+impl ReplayOptions {
+    /// How the log is read.
+    pub(super) fn reading(&self) -> logs::Options {
+        logs::Options {
+            min_range_m: self.min_range.unwrap_or(0.0),
+            max_range_m: self.max_range,
+            every: u64::from(self.every),
+            window_s: self.window.map(|[from, to]| from..to),
+            least_move_m: self.least_move,
+            least_turn_rad: self.least_turn.map(f64::to_radians),
+            damaged_share: self.damaged_share,
+            ..logs::Options::default()
+        }
+    }
+
+    /// Where the files go.
+    pub(super) fn out(&self) -> PathBuf {
+        let name = self.log.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let stem = name.split('.').next().filter(|stem| !stem.is_empty()).unwrap_or("log");
+        self.out.clone().unwrap_or_else(|| Path::new("results").join(format!("replay-{stem}")))
+    }
+
+    /// What the mappers know of the sensor that took the log.
+    pub(super) fn sensor(&self, sensor: Sensor) -> Result<Shared, Failure> {
+        match sensor {
+            Sensor::Laser { max_range_m, .. } => {
+                let LaserOptions { range_sigma, hit, no_echo, early } = self.laser;
+                let laser = Laser { range_sigma_m: range_sigma, max_range_m, hit, no_echo, early_per_m: early };
+                laser.validate().map_err(|error| Failure::BadInput(format!("{}: {error}", self.log.display())))?;
+                Ok(Arc::new(laser))
+            }
+            Sensor::Stereo => {
+                let StereoOptions { focal_baseline, disparity_sigma, correct_match, max_disparity } = self.stereo;
+                Ok(Arc::new(Stereo { focal_baseline, disparity_sigma, correct_match, max_disparity }))
+            }
+        }
+    }
+}
+
+const FORMATS: &str = "\
+Logs of lasers: CARMEN (FLASER, ROBOTLASER1; other messages are skipped and counted), and tables (CSV) with the columns \
+scan,x_m,y_m,theta_rad,bearing_rad,range_m, and time_s if there are times; range_m is inf where no echo came back, and empty \
+where a beam says nothing. Logs of stereo cameras: such tables with disparity_px, as `room` writes them (scans.csv).
+
+The score is the mean of -ln P(reading | map) over the readings of scans kept back: nats per reading, lower is better. One \
+model predicts for all maps: the likelihood of the reading over the first occupied cell on its ray under the map's own \
+probabilities; a row NAME-chain is the same with the joint probabilities of neighbours, for maps that hold them. Intervals \
+are 95 % by a bootstrap of blocks of scans that follow each other.";

@@ -1,0 +1,270 @@
+//! `replay` as a user meets it: logs that were simulated, so that the truth is known, and logs that are damaged.
+
+mod checked;
+
+use std::fmt::Write as _;
+use std::fs;
+use std::io::Write as _;
+use std::path::Path;
+use std::process::Output;
+
+use assert_cmd::Command;
+use experiments::trial::Ground;
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use grid::{DigitalLine, GridSpec, Raster, npy};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng as _;
+use sensor::Laser;
+use serde_json::Value;
+use tempfile::TempDir;
+
+use checked::checked;
+
+/// Beams of a scan, one degree from each other.
+const BEAMS: usize = 181;
+
+fn replay(folder: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::cargo_bin("experiments").expect("built");
+    command.current_dir(folder).arg("replay").args(arguments).output().expect("starts")
+}
+
+fn room() -> Ground {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/room.toml");
+    Ground::new(scene::load(&path, None, None).expect("valid"), 0.1).expect("drivable")
+}
+
+/// A drive through the room with a laser in the place of the camera: a CARMEN log, and the cells that a beam could see.
+fn recorded(ground: &Ground) -> (String, Raster<bool>) {
+    let laser = Laser { max_range_m: 20.0, ..Laser::default() };
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    let mut log = "# simulated\nPARAM robot_front_laser_max 20.0\n".to_owned();
+    let mut seen = Raster::filled(*ground.truth.spec(), false);
+    let mut line = DigitalLine::default();
+    for timed in ground.drive.poses.iter().step_by(2) {
+        let pose = timed.pose;
+        let _ = write!(log, "FLASER {BEAMS}");
+        for beam in 0..BEAMS {
+            let bearing = (beam as f64 - 90.0).to_radians();
+            let hit = ground.world.cast(pose.position_m(), pose.direction(bearing)).map(|hit| hit.range_m);
+            let until_m = hit.unwrap_or(20.0) + 1e-6;
+            line.trace(&ground.scene.grid, pose.position_m(), pose.direction(bearing), until_m);
+            line.cells().iter().for_each(|cell| seen[*cell] = true);
+            let reading = laser.sample(hit, &mut rng);
+            let _ = write!(log, " {:.3}", if reading.is_finite() { reading.min(19.99) } else { 20.0 });
+        }
+        let place = format!("{:.4} {:.4} {:.5}", pose.x_m, pose.y_m, pose.theta_rad);
+        let time = 100.0 + timed.time_s;
+        let _ = writeln!(log, " {place} {place} {time:.3} robot {time:.3}");
+    }
+    (log, seen)
+}
+
+/// Mean of -ln p(truth) over the cells that were seen.
+fn log_loss(map: &Path, spec: &GridSpec, truth: &Raster<Option<bool>>, seen: &Raster<bool>) -> f64 {
+    let array = npy::read(map).expect("a map");
+    let (mut sum, mut cells) = (0.0, 0);
+    for cell in (0..truth.spec().cells()).filter(|cell| seen[*cell]) {
+        let Some(occupied) = truth[cell] else { continue };
+        let there = spec.locate(truth.spec().centre(cell)).expect("the map holds all that was seen");
+        let p = f64::from(array.occupancy[there].expect("known")).clamp(1e-4, 1.0 - 1e-4);
+        sum -= if occupied { p.ln() } else { (1.0 - p).ln() };
+        cells += 1;
+    }
+    sum / f64::from(cells)
+}
+
+fn rows(out: &str) -> Vec<(String, f64, f64, f64)> {
+    let mut table = csv::Reader::from_reader(out.as_bytes());
+    assert_eq!(table.headers().expect("heads"), vec!["mapper", "readings", "predictive_log_loss", "low", "high"]);
+    let row = |row: csv::StringRecord| {
+        let number = |k: usize| row[k].parse().expect("a number");
+        (row[0].to_owned(), number(2), number(3), number(4))
+    };
+    table.records().map(|record| row(record.expect("a row"))).collect()
+}
+
+fn spec_of(folder: &Path) -> GridSpec {
+    let record: Value = serde_json::from_slice(&fs::read(folder.join("run.json")).expect("written")).expect("JSON");
+    serde_json::from_value(record["grid"].clone()).expect("a grid")
+}
+
+/// A folder with the recorded log, packed, and what was seen.
+fn with_log(ground: &Ground) -> (TempDir, String, Raster<bool>) {
+    let (log, seen) = recorded(ground);
+    let folder = TempDir::new().expect("temporary folder");
+    let file = fs::File::create(folder.path().join("room.log.gz")).expect("writable");
+    let mut gz = GzEncoder::new(file, Compression::fast());
+    gz.write_all(log.as_bytes()).and_then(|()| gz.finish()).expect("written");
+    (folder, log, seen)
+}
+
+/// What maps that hold free cells to be at most as free as their clamps say is left out: after some ten of them a ray is
+/// thought to have ended, whatever the rest of the map is like, and they rank among each other by chance.
+#[test]
+fn a_simulated_log_ranks_mappers_as_the_truth_does() {
+    let ground = room();
+    let (folder, _, seen) = with_log(&ground);
+    let mappers = "visibility,independent,conventional,log-odds-octomap,log-odds-cartographer,prior";
+    let arguments = ["room.log.gz", "--mappers", mappers, "--out", "o", "--format", "csv"];
+    let (out, _) = checked(0, &arguments, &replay(folder.path(), &arguments));
+    let (spec, rows) = (spec_of(&folder.path().join("o")), rows(&out));
+    let by_truth = |name: &str| {
+        let map = folder.path().join("o").join(format!("{name}.npy"));
+        log_loss(&map, &spec, &ground.truth, &seen)
+    };
+    let row = |name: &str| rows.iter().find(|row| row.0 == name).expect("a row");
+    for worse in ["conventional", "log-odds-octomap", "log-odds-cartographer", "prior"] {
+        for better in ["visibility", "independent", "conventional"] {
+            if worse != better {
+                assert!(by_truth(better) < by_truth(worse), "{better} {worse}");
+                assert!(row(better).1 < row(worse).1, "{better} {worse}: {rows:?}");
+                assert!(row(better).3 < row(worse).2, "{better} {worse}: the intervals lie apart, {rows:?}");
+            }
+        }
+    }
+    assert!(row("visibility-chain").1 < row("conventional").2);
+    let mut differences = csv::Reader::from_path(folder.path().join("o/differences.csv")).expect("written");
+    for record in differences.records().map(|record| record.expect("a row")) {
+        let (name, verdict) = (&record[0], &record[5]);
+        match verdict {
+            "undecided" => {}
+            _ if name == "visibility-chain" => {}
+            _ => assert_eq!(verdict == "worse", by_truth(name) > by_truth("visibility"), "{record:?}"),
+        }
+    }
+}
+
+/// The drive of `results/room`, whose metrics say which map is closest to the truth. Of the other two `conventional` predicts
+/// better, and is farther from the truth: it is sure, and wrong, of cells that few readings depend on.
+#[test]
+fn the_readings_of_a_camera_prefer_the_map_that_is_closest_to_the_truth() {
+    let folder = TempDir::new().expect("temporary folder");
+    let scans = concat!(env!("CARGO_MANIFEST_DIR"), "/../results/room/scans.csv");
+    let arguments = [scans, "--mappers", "visibility,visibility-printed,conventional", "--out", "o", "--format", "csv"];
+    let (out, _) = checked(0, &arguments, &replay(folder.path(), &arguments));
+    let found: Vec<f64> = rows(&out).into_iter().filter(|row| !row.0.ends_with("-chain")).map(|row| row.1).collect();
+    let metrics = concat!(env!("CARGO_MANIFEST_DIR"), "/../results/room/metrics.csv");
+    let metrics = fs::read_to_string(metrics).expect("committed");
+    let truth = |mapper: &str| -> f64 {
+        let start = format!("room,1,{mapper},c,observable,log_loss,");
+        let line = metrics.lines().find(|line| line.starts_with(&start)).expect("a row");
+        line[start.len()..].split(',').next().expect("a value").parse().expect("a number")
+    };
+    let truth = ["visibility", "visibility-printed", "conventional"].map(truth);
+    for (k, values) in [&found[..], &truth[..]].into_iter().enumerate() {
+        assert!(values[0] < values[1].min(values[2]), "{k}: {found:?} {truth:?}");
+    }
+}
+
+#[test]
+fn the_same_bytes_with_any_number_of_threads_and_maps_that_others_read() {
+    let (folder, _, _) = with_log(&room());
+    for (threads, out) in [("1", "a"), ("2", "b")] {
+        let arguments = ["room.log.gz", "--threads", threads, "--out", out, "--window", "0,20"];
+        checked(0, &arguments, &replay(folder.path(), &arguments));
+    }
+    let files = |name: &str| {
+        let entries = fs::read_dir(folder.path().join(name)).expect("written");
+        let mut files: Vec<_> = entries.map(|entry| entry.expect("a file").path()).collect();
+        files.sort();
+        files
+    };
+    let (a, b) = (files("a"), files("b"));
+    assert!(a.len() == b.len() && a.len() > 15, "{a:?}");
+    for (x, y) in a.iter().zip(&b) {
+        assert_eq!(fs::read(x).expect("a"), fs::read(y).expect("b"), "{}", x.display());
+    }
+    let map = grid::ros_map::read(&folder.path().join("a/visibility.yaml")).expect("a map");
+    let occupied = map.cells().values().iter().filter(|state| **state == Some(true)).count();
+    let unknown = map.cells().values().iter().filter(|state| state.is_none()).count();
+    assert!(occupied > 300 && unknown > 300 && map.spec == spec_of(&folder.path().join("a")));
+}
+
+#[test]
+fn poses_of_a_trajectory_replace_those_of_the_log() {
+    let ground = room();
+    let (folder, log, _) = with_log(&ground);
+    let mut trajectory = "# shifted by 100 m and turned by a quarter\n".to_owned();
+    for line in log.lines().filter(|line| line.starts_with("FLASER")) {
+        let fields: Vec<f64> = line.split(' ').skip(2 + BEAMS).filter_map(|field| field.parse().ok()).collect();
+        let half = 0.5 * (fields[2] + std::f64::consts::FRAC_PI_2);
+        let _ = writeln!(
+            trajectory,
+            "{} {} {} 0 0 0 {} {}",
+            fields[6],
+            100.0 - fields[1],
+            fields[0],
+            half.sin(),
+            half.cos()
+        );
+    }
+    fs::write(folder.path().join("t.txt"), trajectory).expect("writable");
+    let arguments = ["room.log.gz", "--mappers", "log-odds-octomap", "--out", "o"];
+    checked(0, &arguments, &replay(folder.path(), &arguments));
+    let by_log = spec_of(&folder.path().join("o"));
+    let arguments = ["room.log.gz", "--mappers", "log-odds-octomap", "--trajectory", "t.txt", "--out", "o"];
+    checked(0, &arguments, &replay(folder.path(), &arguments));
+    let turned = spec_of(&folder.path().join("o"));
+    assert!(
+        turned.width.abs_diff(by_log.height) <= 2 && turned.height.abs_diff(by_log.width) <= 2,
+        "{by_log:?} {turned:?}"
+    );
+    assert!(
+        turned.origin_m[0] > 80.0 && (turned.origin_m[1] - by_log.origin_m[0]).abs() < 0.2,
+        "{by_log:?} {turned:?}"
+    );
+}
+
+#[test]
+fn damaged_lines_are_named_and_skipped_and_too_many_refuse_the_log() {
+    let (folder, log, _) = with_log(&room());
+    let lines: Vec<&str> = log.lines().take(60).collect();
+    let write = |name: &str, every: usize| {
+        let damaged = |(k, line): (usize, &&str)| match k % every {
+            7 => line[..line.len() / 2].to_owned(),
+            _ => (*line).to_owned(),
+        };
+        let text: Vec<String> = lines.iter().enumerate().map(damaged).collect();
+        fs::write(folder.path().join(name), text.join("\r\n")).expect("writable");
+    };
+    write("few.log", 60);
+    let arguments = ["few.log", "--mappers", "prior", "--out", "few"];
+    let (out, _) = checked(0, &arguments, &replay(folder.path(), &arguments));
+    assert!(out.contains("1 damaged lines were skipped") && out.contains("line 8: "), "{out}");
+    assert!(out.lines().all(|line| line.chars().count() <= 80), "{out}");
+    write("many.log", 8);
+    let arguments = ["many.log", "--out", "many"];
+    let (_, err) = checked(2, &arguments, &replay(folder.path(), &arguments));
+    assert!(err.starts_with("error: many.log:8: ") && err.lines().count() == 1, "{err}");
+    assert!(!folder.path().join("many").exists());
+}
+
+#[test]
+fn what_is_no_log_is_refused_before_anything_is_written() {
+    let (folder, log, _) = with_log(&room());
+    fs::write(folder.path().join("binary"), (0..=255u8).cycle().take(5000).collect::<Vec<_>>()).expect("writable");
+    fs::write(folder.path().join("empty"), "").expect("writable");
+    fs::write(folder.path().join("one.log"), log.lines().take(3).collect::<Vec<_>>().join("\n")).expect("writable");
+    let far = log.lines().nth(4).expect("a scan").replace(" 100.", " 1e7.");
+    let far = far.rsplitn(10, ' ').last().expect("beams").to_owned() + " 9e6 9e6 0 9e6 9e6 0 101 robot 101";
+    fs::write(folder.path().join("far.log"), format!("{log}{far}\n")).expect("writable");
+    for (arguments, said) in [
+        (vec!["no.log"], "no.log: "),
+        (vec!["binary"], "binary: "),
+        (vec!["empty"], "empty: no scan in 0 lines"),
+        (vec!["."], ".: is a folder"),
+        (vec!["one.log"], "--hold-out 10: "),
+        (vec!["far.log"], "more than"),
+        (vec!["room.log.gz", "--hold-out", "1"], "--hold-out"),
+        (vec!["room.log.gz", "--window", "20,10"], "--window"),
+        (vec!["room.log.gz", "--hit", "0.9", "--no-echo", "0.2"], "hit"),
+        (vec!["room.log.gz", "--mappers", "visbility"], "the nearest is 'visibility'"),
+        (vec!["room.log.gz", "--trajectory", "binary"], "binary:1: "),
+    ] {
+        let arguments: Vec<&str> = arguments.into_iter().chain(["--out", "o"]).collect();
+        let (out, err) = checked(2, &arguments, &replay(folder.path(), &arguments));
+        assert!(out.is_empty() && err.contains(said) && !err.contains("panicked"), "{arguments:?}: {err}");
+        assert!(!folder.path().join("o").exists(), "{arguments:?}");
+    }
+}
