@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use mapper::{CorrelationLaw, Prior, Reconciliation};
 
+use crate::calibrate::CalibrateOptions;
 use crate::compare::options::CompareOptions;
 use crate::convert::ConvertOptions;
 use crate::gate::GateOptions;
@@ -52,6 +53,8 @@ pub enum Command {
     Speed(SpeedOptions),
     /// Map what a real robot recorded, and score the maps by how well they predict scans kept back
     Replay(Box<ReplayOptions>),
+    /// Fit a sensor's kernel and the prior to a log, or to disparities with known truth
+    Calibrate(CalibrateOptions),
     /// Make the page of a folder of results anew, from what the folder says it was made from
     Report(ReportOptions),
     /// Convert a map between ROS YAML and image, NPY and PNG, cell by cell

@@ -3,6 +3,7 @@
 //! Every function returns the bytes of a PNG. Maps are drawn cell by cell on whole pixels, with a
 //! bundled font, so that a picture is the same on every machine.
 
+pub mod calibration;
 pub mod certainty;
 pub mod chart;
 pub mod comparison;

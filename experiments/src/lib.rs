@@ -4,6 +4,7 @@
 //! into values ([`trial::Trial`], [`claims::Claim`]), and tables, pictures and the report are views
 //! of them. Results go to stdout, progress and warnings to stderr.
 
+pub mod calibrate;
 pub mod check;
 pub mod claims;
 pub mod cli;

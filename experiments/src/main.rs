@@ -4,8 +4,8 @@ use std::process::ExitCode;
 
 use clap::Parser as _;
 use experiments::{
-    check, cli, compare, convert, estimate, from_map, gate, generate, list, ray, rebuild, replay, room, sensor_model,
-    speed, sweep, tune,
+    calibrate, check, cli, compare, convert, estimate, from_map, gate, generate, list, ray, rebuild, replay, room,
+    sensor_model, speed, sweep, tune,
 };
 
 fn main() -> ExitCode {
@@ -19,6 +19,7 @@ fn main() -> ExitCode {
         cli::Command::Sensor(options) => sensor_model::run(&options),
         cli::Command::Speed(options) => speed::run(&options),
         cli::Command::Replay(options) => replay::run(&options),
+        cli::Command::Calibrate(options) => calibrate::run(&options),
         cli::Command::Report(options) => rebuild::run(&options),
         cli::Command::Convert(options) => convert::run(&options),
         cli::Command::Check(options) => check::run(&options),

@@ -1,6 +1,7 @@
 //! `replay` as a user meets it: logs that were simulated, so that the truth is known, and logs that are damaged.
 
 mod checked;
+mod recorded;
 
 use std::fmt::Write as _;
 use std::fs;
@@ -12,52 +13,17 @@ use assert_cmd::Command;
 use experiments::trial::Ground;
 use flate2::Compression;
 use flate2::write::GzEncoder;
-use grid::{DigitalLine, GridSpec, Raster, npy};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng as _;
+use grid::{GridSpec, Raster, npy};
 use sensor::Laser;
 use serde_json::Value;
 use tempfile::TempDir;
 
 use checked::checked;
-
-/// Beams of a scan, one degree from each other.
-const BEAMS: usize = 181;
+use recorded::{BEAMS, recorded, room};
 
 fn replay(folder: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::cargo_bin("experiments").expect("built");
     command.current_dir(folder).arg("replay").args(arguments).output().expect("starts")
-}
-
-fn room() -> Ground {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/room.toml");
-    Ground::new(scene::load(&path, None, None).expect("valid"), 0.1).expect("drivable")
-}
-
-/// A drive through the room with a laser in the place of the camera: a CARMEN log, and the cells that a beam could see.
-fn recorded(ground: &Ground) -> (String, Raster<bool>) {
-    let laser = Laser { max_range_m: 20.0, ..Laser::default() };
-    let mut rng = ChaCha8Rng::seed_from_u64(5);
-    let mut log = "# simulated\nPARAM robot_front_laser_max 20.0\n".to_owned();
-    let mut seen = Raster::filled(*ground.truth.spec(), false);
-    let mut line = DigitalLine::default();
-    for timed in ground.drive.poses.iter().step_by(2) {
-        let pose = timed.pose;
-        let _ = write!(log, "FLASER {BEAMS}");
-        for beam in 0..BEAMS {
-            let bearing = (beam as f64 - 90.0).to_radians();
-            let hit = ground.world.cast(pose.position_m(), pose.direction(bearing)).map(|hit| hit.range_m);
-            let until_m = hit.unwrap_or(20.0) + 1e-6;
-            line.trace(&ground.scene.grid, pose.position_m(), pose.direction(bearing), until_m);
-            line.cells().iter().for_each(|cell| seen[*cell] = true);
-            let reading = laser.sample(hit, &mut rng);
-            let _ = write!(log, " {:.3}", if reading.is_finite() { reading.min(19.99) } else { 20.0 });
-        }
-        let place = format!("{:.4} {:.4} {:.5}", pose.x_m, pose.y_m, pose.theta_rad);
-        let time = 100.0 + timed.time_s;
-        let _ = writeln!(log, " {place} {place} {time:.3} robot {time:.3}");
-    }
-    (log, seen)
 }
 
 /// Mean of -ln p(truth) over the cells that were seen.
@@ -91,7 +57,7 @@ fn spec_of(folder: &Path) -> GridSpec {
 
 /// A folder with the recorded log, packed, and what was seen.
 fn with_log(ground: &Ground) -> (TempDir, String, Raster<bool>) {
-    let (log, seen) = recorded(ground);
+    let (log, seen) = recorded(ground, &Laser { max_range_m: 20.0, ..Laser::default() }, 2);
     let folder = TempDir::new().expect("temporary folder");
     let file = fs::File::create(folder.path().join("room.log.gz")).expect("writable");
     let mut gz = GzEncoder::new(file, Compression::fast());

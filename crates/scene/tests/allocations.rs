@@ -38,19 +38,23 @@ fn hall(columns: usize, mismatches: &str) -> Scene {
     Scene::parse(&text, Path::new("hall.toml"), None).expect("a valid hall")
 }
 
-/// How often a drive's readings ask for memory on one thread, and the number of scans.
+/// How often a drive's readings ask for memory on one thread, and the number of scans. The least of some times: the threads of
+/// the pool and of the test harness now and then ask for something meanwhile.
 fn allocations(columns: usize, mismatches: &str) -> [usize; 2] {
     let scene = hall(columns, mismatches);
     let (world, drive) = (World::new(&scene), scene::drive(&scene).expect("a free way"));
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
-    pool.install(|| {
-        let before = Region::new(COUNTED);
-        let simulation = scene::simulate(&scene, &world, &drive, 1);
-        let change = before.change();
-        let seen = simulation.scans.iter().flat_map(|scan| &scan.true_ranges_m).flatten().count();
-        assert!(4 * seen > simulation.scans.len() * columns, "enough rays end on something: {seen}");
-        [change.allocations + change.reallocations, simulation.scans.len()]
-    })
+    let times = (0..5).map(|_| {
+        pool.install(|| {
+            let before = Region::new(COUNTED);
+            let simulation = scene::simulate(&scene, &world, &drive, 1);
+            let change = before.change();
+            let seen = simulation.scans.iter().flat_map(|scan| &scan.true_ranges_m).flatten().count();
+            assert!(4 * seen > simulation.scans.len() * columns, "enough rays end on something: {seen}");
+            [change.allocations + change.reallocations, simulation.scans.len()]
+        })
+    });
+    times.min().expect("some times")
 }
 
 #[test]

@@ -1,0 +1,146 @@
+//! Disparities whose truth is known: the camera's kernel, Eq. (21), fitted to their errors.
+
+use std::fs::File;
+use std::path::Path;
+
+use super::options::CalibrateOptions;
+use super::search::{self, Parameter, Scale};
+use super::{Calibration, outputs};
+use crate::failure::Failure;
+use crate::figures;
+
+/// Standard normal density at 0.
+const AT_ZERO: f64 = 0.398_942_280_401_432_7;
+
+/// A disparity, and what it should have been.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Match {
+    /// Row of the image; the number of the line where there is none.
+    row: u64,
+    read_px: f64,
+    true_px: f64,
+    consistent: Option<bool>,
+}
+
+/// Reads the matches of a file; none where the file is no such table.
+pub(super) fn load(path: &Path) -> Result<Option<Vec<Match>>, Failure> {
+    let place = path.display();
+    let bad = |what: String| Failure::BadInput(format!("{place}{what}"));
+    if path.is_dir() {
+        return Err(bad(": is a folder; give a log, or a table of disparities".to_owned()));
+    }
+    let file = File::open(path)
+        .map_err(|error| bad(format!(": cannot be opened: {error}; check the path and the permissions")))?;
+    let mut table = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(file);
+    let Ok(heads) = table.headers().cloned() else { return Ok(None) };
+    let column = |name: &str| heads.iter().position(|head| head.trim_start_matches('\u{feff}') == name);
+    let (Some(read), Some(truth)) = (column("disparity_px"), column("true_disparity_px")) else { return Ok(None) };
+    let (row, consistent) = (column("row"), column("left_right_consistent"));
+    let mut matches = Vec::new();
+    for record in table.into_records() {
+        let record = record.map_err(|error| bad(format!(": {error}; every row has as many fields as the head")))?;
+        let line = record.position().map_or(0, csv::Position::line);
+        let number = |k: usize| -> Result<f64, Failure> {
+            let (text, name) = (&record[k], &heads[k]);
+            let value = text.parse().ok().filter(|value: &f64| (0.0..=1e5).contains(value));
+            value.ok_or_else(|| {
+                bad(format!(
+                    ":{line}: {name} = {text:?}: must be a disparity in px, 0 to 100000; leave rows without one out"
+                ))
+            })
+        };
+        let consistent = match consistent.map(|k| &record[k]) {
+            None => None,
+            Some("0") => Some(false),
+            Some("1") => Some(true),
+            Some(other) => return Err(bad(format!(":{line}: left_right_consistent = {other:?}: must be 0 or 1"))),
+        };
+        let row = row.and_then(|k| record[k].parse().ok()).unwrap_or(line);
+        matches.push(Match { row, read_px: number(read)?, true_px: number(truth)?, consistent });
+    }
+    Ok(Some(matches))
+}
+
+/// Fits the kernel.
+pub(super) fn calibrate(matches: &[Match], options: &CalibrateOptions) -> Result<Calibration, Failure> {
+    let place = options.file.display();
+    if options.consistent && matches.iter().any(|m| m.consistent.is_none()) {
+        let what = "--consistent: needs a column left_right_consistent; leave it out, or run the check";
+        return Err(Failure::BadInput(format!("{place}: {what}")));
+    }
+    let used: Vec<Match> =
+        matches.iter().filter(|m| !options.consistent || m.consistent == Some(true)).copied().collect();
+    if used.len() < 30 {
+        let what = format!("{} disparities are too few to fit a kernel to; give 30 or more", used.len());
+        return Err(Failure::BadInput(format!("{place}: {what}")));
+    }
+    let largest = used.iter().map(|m| m.read_px).fold(1.0, f64::max).ceil();
+    let most = options.max_disparity.unwrap_or(largest);
+    if let Some(m) = used.iter().find(|m| m.read_px > most) {
+        let what =
+            format!("--max-disparity {most}: there is a disparity of {} px; it must hold all of them", m.read_px);
+        return Err(Failure::BadInput(format!("{place}: {what}")));
+    }
+    let parameters = [
+        Parameter { name: "correct_match", unit: "1", range: [0.01, 0.9999], start: 0.8, scale: Scale::Odds },
+        Parameter { name: "disparity_sigma", unit: "px", range: [0.01, 10.0], start: 0.5, scale: Scale::Ratio },
+        Parameter { name: "offset", unit: "px", range: [-2.0, 2.0], start: 0.0, scale: Scale::Difference },
+    ];
+    let mut rows: Vec<&[Match]> = used.chunk_by(|a, b| a.row == b.row).collect();
+    // A table without rows: as many members as a square image has.
+    let side = (used.len() as f64).sqrt().ceil() as usize;
+    if rows.len() == used.len() {
+        rows = used.chunks(side).collect();
+    }
+    let losses = |p: &[f64]| {
+        let (correct, sigma, offset) = (p[0], p[1], p[2]);
+        let density = |m: &Match| correct * gaussian(m.read_px - m.true_px - offset, sigma) + (1.0 - correct) / most;
+        let loss = |row: &&[Match]| (-row.iter().map(|m| libm::log(density(m))).sum::<f64>(), row.len() as u64);
+        Some(rows.iter().map(loss).collect())
+    };
+    let fit = search::fit(&parameters, losses).ok_or_else(|| Failure::internal("no setting could be tried"))?;
+    let [correct, sigma, offset] = [0, 1, 2].map(|k| fit.found[k].value);
+    let errors: Vec<f64> = used.iter().map(|m| m.read_px - m.true_px).collect();
+    let density = |error: f64| correct * gaussian(error - offset, sigma) + (1.0 - correct) / most;
+    let picture = figures::calibration::draw(&errors, sigma, density)?;
+    let kind = if options.consistent { "disparities that passed a left-right check" } else { "disparities" };
+    let about = format!("{} {kind} of {}, up to {most} px", used.len(), outputs::name(&options.file));
+    let centred: Vec<f64> = errors.iter().map(|error| error - offset).collect();
+    let mut notes = vec![tails(&centred, correct, sigma, most)];
+    if fit.found[2].interval.excludes_zero() {
+        notes.push(format!(
+            "correct disparities are {offset:+.3} px off on average: subtract that, or sigma must hold it"
+        ));
+    }
+    if used.iter().filter(|m| m.read_px.fract() == 0.0).count() * 2 > used.len() {
+        notes.push("most disparities are whole pixels: sigma holds their rounding (0.29 px) too".to_owned());
+    }
+    Ok(Calibration {
+        about,
+        measure: "density of a disparity given its truth, per px",
+        readings: used.len() as u64,
+        picture: Some(picture),
+        notes,
+        advice: format!(
+            "[sensor] correct_match = {correct:.3}, disparity_sigma = {sigma:.3}, max_disparity = {most} in a scene file"
+        ),
+        fit,
+    })
+}
+
+fn gaussian(error: f64, sigma: f64) -> f64 {
+    let z = error / sigma;
+    AT_ZERO / sigma * libm::exp(-0.5 * z * z)
+}
+
+/// How many errors lie where neither a Gaussian nor uniform false matches put them.
+fn tails(errors: &[f64], correct: f64, sigma: f64, most: f64) -> String {
+    let (from, to) = (4.0 * sigma, 3.0f64.max(8.0 * sigma));
+    let found = errors.iter().filter(|error| (from..to).contains(&error.abs())).count() as f64 / errors.len() as f64;
+    let expected = (1.0 - correct) * 2.0 * (to - from) / most;
+    format!(
+        "{:.1} % of the errors lie between {from:.2} and {to:.2} px, where the fit has {:.1} %: near misses that it takes for false matches",
+        100.0 * found,
+        100.0 * expected
+    )
+}

@@ -1,0 +1,216 @@
+//! A log: the kernel and the prior under which every second scan is most likely by the map of the others.
+
+use std::sync::Arc;
+
+use grid::GridSpec;
+use logs::{Log, Sensor};
+use mapper::catalogue::Setup;
+use mapper::{Belief, Lockstep, Predictive, Prior};
+use sensor::{Laser, Scan, SensorModel, Stereo};
+
+use super::options::CalibrateOptions;
+use super::search::{self, Fit, Losses, Parameter, Scale};
+use super::{Calibration, outputs};
+use crate::failure::Failure;
+
+/// What lies around the outermost poses and usual readings, m.
+const MARGIN_M: f64 = 0.5;
+
+/// Readings farther than this do not make the map larger, m.
+const REACH_M: f64 = 15.0;
+
+/// More cells than this take too long, and too much memory, for the hundreds of maps that a fit makes.
+const MOST_CELLS: usize = 20_000_000;
+
+/// Fits the kernel of whatever took the log.
+pub(super) fn calibrate(options: &CalibrateOptions) -> Result<Calibration, Failure> {
+    let (scans, sensor) = read(options)?;
+    let grid = cover(&scans, &*points(sensor, options), options)?;
+    let readings = scans.iter().flat_map(|scan| scan.readings.iter().flatten()).count() as u64;
+    let (parameters, kind) = match sensor {
+        Sensor::Laser { max_range_m, .. } => (laser(), format!("a laser up to {max_range_m} m")),
+        Sensor::Stereo => (stereo(), "a stereo camera".to_owned()),
+    };
+    let losses = |values: &[f64]| -> Losses {
+        let (model, prior) = setting(sensor, options, values)?;
+        Some(predicted(&scans, grid, model, prior))
+    };
+    let fit = search::fit(&parameters, losses).ok_or_else(|| Failure::internal("no setting could be tried"))?;
+    let about = format!("{} scans of {kind} in {}, {} readings", scans.len(), outputs::name(&options.file), readings);
+    let advice = advice(sensor, &fit);
+    Ok(Calibration {
+        about,
+        measure: "probability of every second scan by the map that visibility makes of the others",
+        readings,
+        picture: None,
+        notes: notes(&fit, options.grid),
+        advice,
+        fit,
+    })
+}
+
+/// The scans that are fitted, and what took them.
+fn read(options: &CalibrateOptions) -> Result<(Vec<Scan>, Sensor), Failure> {
+    let refused = |error: logs::LogError| Failure::BadInput(error.to_string());
+    let reading = logs::Options { max_range_m: options.max_range, ..logs::Options::default() };
+    let open = || Log::open(&options.file, &reading).map_err(refused);
+    let mut all = 0;
+    for scan in open()? {
+        scan.map_err(refused)?;
+        all += 1;
+    }
+    let every = (all / u64::from(options.scans)).max(1);
+    let mut log = open()?;
+    let mut scans = Vec::new();
+    for (number, scan) in (0u64..).zip(&mut log) {
+        let scan = scan.map_err(refused)?;
+        if number.is_multiple_of(every) && scans.len() < options.scans as usize {
+            scans.push(thinned(&scan, options.beams as usize));
+        }
+    }
+    if scans.len() < 20 {
+        let what =
+            format!("{} scans are too few to predict some from the others; give a log of 20 or more", scans.len());
+        return Err(Failure::BadInput(format!("{}: {what}", options.file.display())));
+    }
+    Ok((scans, log.sensor()))
+}
+
+/// A scan with so many beams at most.
+fn thinned(scan: &Scan, beams: usize) -> Scan {
+    let every = scan.readings.len().div_ceil(beams).max(1);
+    Scan {
+        bearings_rad: scan.bearings_rad.iter().copied().step_by(every).collect(),
+        readings: scan.readings.iter().copied().step_by(every).collect(),
+        ..scan.clone()
+    }
+}
+
+fn points(sensor: Sensor, options: &CalibrateOptions) -> Arc<dyn SensorModel> {
+    match sensor {
+        Sensor::Laser { .. } => Arc::new(Laser::default()),
+        Sensor::Stereo => Arc::new(Stereo { focal_baseline: options.focal_baseline, ..Stereo::default() }),
+    }
+}
+
+fn cover(scans: &[Scan], sensor: &dyn SensorModel, options: &CalibrateOptions) -> Result<GridSpec, Failure> {
+    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    let mut include = |at: [f64; 2]| {
+        low = [0, 1].map(|k| low[k].min(at[k] - MARGIN_M));
+        high = [0, 1].map(|k| high[k].max(at[k] + MARGIN_M));
+    };
+    for scan in scans {
+        include(scan.pose.position_m());
+        for ray in scan.rays() {
+            let range = ray.reading.and_then(|reading| sensor.range_of(reading, ray.bearing_rad));
+            if let Some(range_m) = range.filter(|range| *range < REACH_M) {
+                include([0, 1].map(|k| ray.origin_m[k] + range_m * ray.direction[k]));
+            }
+        }
+    }
+    let place = options.file.display();
+    let grid = GridSpec::covering(low, high, options.grid)
+        .map_err(|error| Failure::BadInput(format!("{place}: the map of the log: {error}")))?;
+    if grid.cells() > MOST_CELLS {
+        let what = format!("the map has {} cells, more than {MOST_CELLS}; use larger cells (--grid)", grid.cells());
+        return Err(Failure::BadInput(format!("{place}: {what}")));
+    }
+    Ok(grid)
+}
+
+fn parameter(name: &'static str, unit: &'static str, range: [f64; 2], start: f64, scale: Scale) -> Parameter {
+    Parameter { name, unit, range, start, scale }
+}
+
+fn belief() -> [Parameter; 2] {
+    let Prior { occupancy, correlation, .. } = Prior::default();
+    [
+        parameter("prior", "1", [0.002, 0.6], occupancy, Scale::Odds),
+        parameter("correlation", "1", [0.02, 0.99], correlation, Scale::Odds),
+    ]
+}
+
+fn laser() -> Vec<Parameter> {
+    let Laser { range_sigma_m, hit, no_echo, early_per_m, .. } = Laser::default();
+    let kernel = [
+        parameter("range_sigma", "m", [0.002, 0.5], range_sigma_m, Scale::Ratio),
+        parameter("hit", "1", [0.2, 0.9995], hit, Scale::Odds),
+        parameter("no_echo", "1", [1e-5, 0.5], no_echo, Scale::Odds),
+        parameter("early", "1/m", [1e-5, 0.5], early_per_m, Scale::Ratio),
+    ];
+    kernel.into_iter().chain(belief()).collect()
+}
+
+fn stereo() -> Vec<Parameter> {
+    let Stereo { disparity_sigma, correct_match, .. } = Stereo::default();
+    let kernel = [
+        parameter("disparity_sigma", "px", [0.02, 5.0], disparity_sigma, Scale::Ratio),
+        parameter("correct_match", "1", [0.05, 0.999], correct_match, Scale::Odds),
+    ];
+    kernel.into_iter().chain(belief()).collect()
+}
+
+/// The sensor and the prior of these values; none where shares add up to more than one.
+fn setting(sensor: Sensor, options: &CalibrateOptions, values: &[f64]) -> Option<(Arc<dyn SensorModel>, Prior)> {
+    let prior = |at: usize| Prior { occupancy: values[at], correlation: values[at + 1], ..Prior::default() };
+    match sensor {
+        Sensor::Laser { max_range_m, .. } => {
+            let [range_sigma_m, hit, no_echo, early_per_m] = [values[0], values[1], values[2], values[3]];
+            let laser = Laser { range_sigma_m, max_range_m, hit, no_echo, early_per_m };
+            // Some outliers there always are: without any, one of them makes a log impossible.
+            (laser.outlier() >= 1e-4 && laser.validate().is_ok()).then(|| (Arc::new(laser) as _, prior(4)))
+        }
+        Sensor::Stereo => {
+            let max_disparity = options.max_disparity.unwrap_or(Stereo::default().max_disparity);
+            let stereo = Stereo {
+                focal_baseline: options.focal_baseline,
+                disparity_sigma: values[0],
+                correct_match: values[1],
+                max_disparity,
+            };
+            Some((Arc::new(stereo), prior(2)))
+        }
+    }
+}
+
+/// `-ln P` of every second scan by the map of the others, and its number of readings.
+fn predicted(scans: &[Scan], grid: GridSpec, sensor: Arc<dyn SensorModel>, prior: Prior) -> Vec<(f64, u64)> {
+    let setup = Setup { prior, ..Setup::new(grid, Arc::clone(&sensor)) };
+    let mut map = Lockstep::visibility(&setup);
+    scans.iter().step_by(2).for_each(|scan| map.integrate_on(scan, 1));
+    let pairs = map.pairs();
+    let mut predictive = Predictive::new(grid, &*sensor, prior.onset(grid.cell_m));
+    let mut loss = |scan: &Scan| {
+        let losses =
+            scan.rays().filter_map(|ray| predictive.take(&ray).then(|| predictive.log_loss(Belief::Chain(&pairs))));
+        losses.fold((0.0, 0), |(sum, readings), loss| (sum + loss, readings + 1))
+    };
+    scans.iter().skip(1).step_by(2).map(&mut loss).collect()
+}
+
+fn notes(fit: &Fit, cell_m: f64) -> Vec<String> {
+    let mut notes = Vec::new();
+    let value = |name: &str| fit.found.iter().find(|found| found.parameter.name == name).map(|found| found.value);
+    if let (Some(prior), Some(correlation)) = (value("prior"), value("correlation")) {
+        // c(d) = exp(-d / ((1 - p) L)).
+        let length_m = -Prior::REFERENCE_M / ((1.0 - prior) * libm::log(correlation));
+        notes.push(format!("the prior and the correlation are those of obstacles {length_m:.2} m long on average, as the sensor sees them"));
+    }
+    if value("range_sigma").is_some_and(|sigma| sigma < 0.3 * cell_m) {
+        notes.push(format!("sigma is small beside cells of {cell_m} m: finer cells (--grid) would tell it better"));
+    }
+    notes
+}
+
+fn advice(sensor: Sensor, fit: &Fit) -> String {
+    let option = |found: &search::Found| {
+        let name = found.parameter.name.replace('_', "-");
+        format!("--{name} {}", outputs::short(found.value))
+    };
+    let options: Vec<String> = fit.found.iter().map(option).collect();
+    let max = match sensor {
+        Sensor::Laser { max_range_m, .. } => format!(" --max-range {max_range_m}"),
+        Sensor::Stereo => String::new(),
+    };
+    format!("replay {}{max}", options.join(" "))
+}

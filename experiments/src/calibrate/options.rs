@@ -1,0 +1,57 @@
+//! Options of `calibrate`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::cli::{Format, MOST_THREADS, count, positive};
+
+/// Options of `calibrate`.
+#[derive(Debug, Args)]
+#[command(after_long_help = FORMS)]
+pub struct CalibrateOptions {
+    /// A log (see `replay --help`), or disparities with their truth (CSV); their form: calibrate --help
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// Of disparities: those alone that passed a left-right check
+    #[arg(long)]
+    pub consistent: bool,
+    /// Of disparities: the largest searched, px [default: the largest in the file, up to the next whole pixel]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true, value_parser = positive)]
+    pub max_disparity: Option<f64>,
+    /// Of a camera's log: focal length times baseline, px·m
+    #[arg(long, value_name = "PX·M", default_value_t = sensor::Stereo::default().focal_baseline, allow_negative_numbers = true, value_parser = positive)]
+    pub focal_baseline: f64,
+    /// Of a log: scans to fit, spread evenly over it; all of a shorter one
+    #[arg(long, value_name = "N", default_value_t = 200, allow_negative_numbers = true, value_parser = count(1_000_000))]
+    pub scans: u32,
+    /// Of a log: beams of each, spread evenly over it
+    #[arg(long, value_name = "N", default_value_t = 180, allow_negative_numbers = true, value_parser = count(1_000_000))]
+    pub beams: u32,
+    /// Of a log: side of a cell in metres
+    #[arg(long, value_name = "M", default_value_t = 0.05, allow_negative_numbers = true, value_parser = positive)]
+    pub grid: f64,
+    /// Of a log of a laser: readings from this on are no echo, m [default: what the log says, else 80]
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive)]
+    pub max_range: Option<f64>,
+    /// Folder for the table, the picture and the record, written whole or not at all
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Form of the table on stdout
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+    /// Threads to use, all processors if not given; results do not depend on it
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = count(MOST_THREADS))]
+    pub threads: Option<u32>,
+}
+
+const FORMS: &str = "\
+Disparities with their truth have the columns disparity_px,true_disparity_px, and for --consistent \
+left_right_consistent (0 or 1), among others; with a column row, neighbours in the image are taken for alike. Fitted are the \
+probability of a correct match, and the sigma and the offset of a Gaussian, beside false matches that are uniform over 0 to the largest disparity.
+
+Of a log, the mapper `visibility` maps every second scan and predicts the others, and what is maximised is the likelihood of their \
+readings: sigma, hit (correct match), no echo, early returns, the prior, and the correlation of cells 5 cm apart. What the map \
+blurs is taken off sigma: of simulated readings it is found 4 to 9 % too small. \
+Intervals hold the values whose likelihood is not lower for sure (95 %), all else as found, by a bootstrap of blocks of neighbouring \
+scans or rows. A parameter that the readings do not pin down is named.";

@@ -1,0 +1,120 @@
+//! `calibrate` as a user meets it: what was put into simulated readings comes back.
+
+mod checked;
+mod recorded;
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+use std::process::Output;
+
+use assert_cmd::Command;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng as _, SeedableRng as _};
+use sensor::Laser;
+use serde_json::Value;
+use tempfile::TempDir;
+
+use checked::checked;
+use recorded::{recorded, room};
+
+fn calibrate(folder: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::cargo_bin("experiments").expect("built");
+    command.current_dir(folder).arg("calibrate").args(arguments).output().expect("starts")
+}
+
+/// The rows by the name of their parameter.
+fn found(folder: &Path, arguments: &[&str]) -> impl Fn(&str) -> Value {
+    let arguments = [arguments, &["--format", "json"]].concat();
+    let (out, _) = checked(0, &arguments, &calibrate(folder, &arguments));
+    let json: Value = serde_json::from_str(&out).expect("JSON");
+    let rows = json["rows"].as_array().expect("rows").clone();
+    move |name| rows.iter().find(|row| row["parameter"] == name).unwrap_or_else(|| panic!("{name} in {rows:?}")).clone()
+}
+
+fn number(row: &Value, column: &str) -> f64 {
+    row[column].as_f64().unwrap_or_else(|| panic!("{column} of {row}"))
+}
+
+/// Matches of a camera with the given chance to be correct, sigma and offset, in 60 rows; and the share that is correct.
+fn matches(correct: f64, sigma: f64, offset: f64) -> (String, f64) {
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let mut uniform = || f64::from(rng.next_u32()) / 4_294_967_296.0;
+    let mut text = "row,column,disparity_px,true_disparity_px,left_right_consistent\n".to_owned();
+    let mut right = 0.0;
+    for k in 0..6000 {
+        let truth = 5.0 + 40.0 * uniform();
+        let normal = (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
+        let is_correct = uniform() < correct;
+        let read = if is_correct { truth + offset + sigma * normal } else { 60.0 * uniform() };
+        right += if is_correct { 1.0 / 6000.0 } else { 0.0 };
+        let consistent = u8::from(is_correct || uniform() < 0.5);
+        let _ = writeln!(text, "{},{},{read:.4},{truth:.4},{consistent}", k / 100, k % 100);
+    }
+    (text, right)
+}
+
+#[test]
+fn disparities_give_back_the_kernel_that_they_were_drawn_from() {
+    let folder = TempDir::new().expect("temporary folder");
+    let (text, share) = matches(0.7, 0.16, -0.07);
+    fs::write(folder.path().join("m.csv"), text).expect("writable");
+    let found_all = found(folder.path(), &["m.csv", "--max-disparity", "60", "--out", "o"]);
+    for (name, truth) in [("correct_match", share), ("disparity_sigma", 0.16), ("offset", -0.07)] {
+        let row = found_all(name);
+        assert!((number(&row, "value") / truth - 1.0).abs() < 0.05, "{row}");
+        assert!(number(&row, "low") < truth && truth < number(&row, "high") && row["identified"] == true, "{row}");
+    }
+    for file in ["calibration.csv", "profile.csv", "fit.png", "run.json"] {
+        assert!(folder.path().join("o").join(file).exists(), "{file}");
+    }
+    let share = share / (share + 0.5 * (1.0 - share));
+    let row = found(folder.path(), &["m.csv", "--consistent"])("correct_match");
+    assert!((number(&row, "value") - share).abs() < 0.02, "{row}");
+    let text = checked(0, &"text", &calibrate(folder.path(), &["m.csv"])).0;
+    assert!(text.lines().all(|line| line.chars().count() <= 80) && text.contains("px off on average"), "{text}");
+}
+
+/// The laser of a drive through the room. The map is not sharp: where it leaves a wall in two cells, sigma need not.
+#[test]
+fn a_log_gives_back_the_laser_that_it_was_drawn_from() {
+    let laser = Laser { max_range_m: 20.0, range_sigma_m: 0.06, hit: 0.8, no_echo: 0.1, early_per_m: 0.02 };
+    let folder = TempDir::new().expect("temporary folder");
+    fs::write(folder.path().join("room.log"), recorded(&room(), &laser, 4).0).expect("writable");
+    let found = found(folder.path(), &["room.log", "--beams", "46"]);
+    for (name, truth, within) in
+        [("range_sigma", 0.06, 0.2), ("hit", 0.8, 0.05), ("no_echo", 0.1, 0.25), ("early", 0.02, 0.5)]
+    {
+        let row = found(name);
+        assert!((number(&row, "value") / truth - 1.0).abs() < within, "{name} {truth}: {row}");
+        assert!(row["identified"] == true, "{row}");
+    }
+}
+
+#[test]
+fn what_cannot_be_fitted_is_refused() {
+    let folder = TempDir::new().expect("temporary folder");
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("writable");
+    let (whole, _) = matches(0.7, 0.2, 0.0);
+    write("few.csv", &whole.lines().take(20).collect::<Vec<_>>().join("\n"));
+    write("bad.csv", &whole.replacen("\n0,3,", "\n0,3,x", 1));
+    write("short.csv", &whole.replacen("\n0,3,", "\n0,", 1));
+    write("good.csv", &whole);
+    write("bare.csv", "disparity_px,true_disparity_px\n1,2\n");
+    write("none.log", "ODOM 1 2 3\n");
+    for (arguments, said) in [
+        (vec!["no.csv"], "no.csv: cannot be opened"),
+        (vec!["few.csv"], "few.csv: 19 disparities are too few"),
+        (vec!["bad.csv"], "bad.csv:5: disparity_px = \"x"),
+        (vec!["short.csv"], "short.csv: "),
+        (vec!["good.csv", "--max-disparity", "30"], "--max-disparity 30"),
+        (vec!["bare.csv", "--consistent"], "left_right_consistent"),
+        (vec!["none.log"], "none.log: no scan"),
+        (vec!["."], "is a folder"),
+    ] {
+        let arguments: Vec<&str> = arguments.into_iter().chain(["--out", "o"]).collect();
+        let (out, err) = checked(2, &arguments, &calibrate(folder.path(), &arguments));
+        assert!(out.is_empty() && err.contains(said) && err.lines().count() == 1, "{arguments:?}: {err}");
+        assert!(!folder.path().join("o").exists());
+    }
+}
