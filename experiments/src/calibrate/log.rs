@@ -181,9 +181,14 @@ fn predicted(scans: &[Scan], grid: GridSpec, sensor: Arc<dyn SensorModel>, prior
     let pairs = map.pairs();
     let mut predictive = Predictive::new(grid, &*sensor, prior.onset(grid.cell_m));
     let mut loss = |scan: &Scan| {
-        let losses =
-            scan.rays().filter_map(|ray| predictive.take(&ray).then(|| predictive.log_loss(Belief::Chain(&pairs))));
-        losses.fold((0.0, 0), |(sum, readings), loss| (sum + loss, readings + 1))
+        let (mut sum, mut readings) = (0.0, 0);
+        for ray in scan.rays() {
+            if predictive.take(&ray) {
+                sum += predictive.log_loss(Belief::Chain(&pairs));
+                readings += 1;
+            }
+        }
+        (sum, readings)
     };
     scans.iter().skip(1).step_by(2).map(&mut loss).collect()
 }

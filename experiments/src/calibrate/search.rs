@@ -162,7 +162,9 @@ fn bound(
     };
     let at = scale.to(best[k]);
     let ends = parameter.range.map(|end| scale.to(end));
-    let sides: Vec<(f64, bool, Vec<(f64, f64)>)> = ends
+    // An end, whether the loss is larger for sure beyond it, and what was tried.
+    type Side = (f64, bool, Vec<(f64, f64)>);
+    let sides: Vec<Side> = ends
         .par_iter()
         .map(|&end| {
             let mut profile = Vec::new();
