@@ -9,7 +9,7 @@ use npyz::WriterBuilder as _;
 
 use crate::Raster;
 
-pub use read::{Array, NpyError, read};
+pub use read::{Array, NpyError, read, read_from};
 
 /// Writes a raster as a 2-D float32 array: rows are y, row 0 is the lowest.
 ///

@@ -16,6 +16,7 @@ mod netpbm;
 mod picture;
 mod write;
 
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 use crate::{GridSpec, Raster};
@@ -25,6 +26,7 @@ pub use error::{Place, RosMapError};
 pub use write::{EncodeError, Shades, describe};
 
 use description::Description;
+use picture::Picture;
 
 /// A map that a robot built.
 #[derive(Debug, Clone, PartialEq)]
@@ -90,6 +92,16 @@ pub fn read(yaml_path: &Path) -> Result<RosMap, RosMapError> {
     Ok(RosMap { yaw_rad, ..map })
 }
 
+/// Reads a map whose two files are in memory. `yaml_path` is named in messages, and no file is looked for.
+///
+/// # Errors
+/// As [`read`], but for files that cannot be read.
+pub fn read_from(yaml: &[u8], image: &[u8], yaml_path: &Path) -> Result<RosMap, RosMapError> {
+    let found = Description::parse(yaml, yaml_path, |_| true)?;
+    let map = read_image_from(image, &found.image, found.coding, found.resolution_m, found.origin_m)?;
+    Ok(RosMap { yaw_rad: found.yaw_rad, ..map })
+}
+
 /// Reads an image without its YAML file: `coding` says what the shades mean, `cell_m` is the side of a
 /// pixel and `origin_m` the lower-left corner of the lower-left one, m.
 ///
@@ -97,10 +109,29 @@ pub fn read(yaml_path: &Path) -> Result<RosMap, RosMapError> {
 /// An image that cannot be read, is damaged or too large.
 pub fn read_image(image: &Path, coding: Coding, cell_m: f64, origin_m: [f64; 2]) -> Result<RosMap, RosMapError> {
     let picture = picture::read(image, |pixel| coding.occupancy(pixel))?;
+    Ok(of_picture(picture, image, coding, cell_m, origin_m))
+}
+
+/// As [`read_image`], of an image in memory; `path` is named in messages.
+///
+/// # Errors
+/// An image that is damaged or too large.
+pub fn read_image_from(
+    image: &[u8],
+    path: &Path,
+    coding: Coding,
+    cell_m: f64,
+    origin_m: [f64; 2],
+) -> Result<RosMap, RosMapError> {
+    let picture = picture::read_from(Cursor::new(image), image.len() as u64, path, |pixel| coding.occupancy(pixel))?;
+    Ok(of_picture(picture, path, coding, cell_m, origin_m))
+}
+
+fn of_picture(picture: Picture<Option<f32>>, image: &Path, coding: Coding, cell_m: f64, origin_m: [f64; 2]) -> RosMap {
     let spec = GridSpec { cell_m, origin_m, width: picture.width, height: picture.height };
     // The image's first row is the top one, the grid's first row the lowest.
     let occupancy = picture.pixels.chunks_exact(spec.width).rev().flatten().copied().collect();
-    Ok(RosMap { spec, yaw_rad: 0.0, occupancy: Raster::new(spec, occupancy), coding, image: image.into() })
+    RosMap { spec, yaw_rad: 0.0, occupancy: Raster::new(spec, occupancy), coding, image: image.into() }
 }
 
 #[cfg(test)]

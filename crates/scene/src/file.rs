@@ -17,6 +17,7 @@ use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 
+use grid::excerpt::{LONGEST_REPORT, excerpt};
 use toml::Spanned;
 use toml::de::DeTable;
 
@@ -91,7 +92,8 @@ pub fn open<'a>(text: &'a str, file: &'a str) -> Result<(Source<'a>, Spanned<DeT
     let source = Source::new(file, text);
     let document = DeTable::parse(text).map_err(|error| {
         let offset = error.span().map_or(0, |span| span.start);
-        source.error(offset, Problem::Syntax(error.message().lines().collect::<Vec<_>>().join("; ")))
+        let report = error.message().lines().collect::<Vec<_>>().join("; ");
+        source.error(offset, Problem::Syntax(excerpt(&report, LONGEST_REPORT)))
     })?;
     Ok((source, document))
 }

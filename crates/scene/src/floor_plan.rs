@@ -5,6 +5,7 @@ use std::fs::File;
 use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 
+use grid::excerpt::{LONGEST_REPORT, excerpt};
 use serde::de::{Deserialize, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use thiserror::Error;
 
@@ -59,7 +60,11 @@ impl FloorPlan {
         Self::parse(&bytes, path)
     }
 
-    fn parse(bytes: &[u8], path: &Path) -> Result<Self, FloorPlanError> {
+    /// Checks the plan in `bytes`; `path` is named in messages.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load), but for a file that cannot be read.
+    pub fn parse(bytes: &[u8], path: &Path) -> Result<Self, FloorPlanError> {
         let place = |line, column| Place { file: path.display().to_string(), line, column };
         if bytes.len() as u64 > MAX_BYTES {
             return Err(FloorPlanError::Syntax { place: place(1, 1), problem: "it has more than 16 MiB".to_owned() });
@@ -69,6 +74,7 @@ impl FloorPlan {
             let (line, column) = (error.line(), error.column());
             // The parser repeats the place at the end.
             let problem = error.to_string().replace(&format!(" at line {line} column {column}"), "");
+            let problem = excerpt(&problem, LONGEST_REPORT);
             FloorPlanError::Syntax { place: place(line.max(1), column.max(1)), problem }
         })?;
         let outline = |problem: String, remedy| Err(FloorPlanError::Outline { path: path.into(), problem, remedy });

@@ -1,10 +1,12 @@
 //! Occupancy out of NPY files.
 
 use std::fs::File;
-use std::io::{self, BufReader, Read as _};
+use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
+
+use crate::excerpt::{LONGEST_VALUE, excerpt};
 
 use super::header::Header;
 
@@ -72,11 +74,19 @@ impl NpyError {
 /// # Errors
 /// A file that cannot be read, is no NPY file, ends too early, or holds another shape, type or value.
 pub fn read(path: &Path) -> Result<Array, NpyError> {
-    let reader = Reader { path };
-    let unreadable = |source| reader.unreadable(source);
+    let unreadable = |source| Reader { path }.unreadable(source);
     let file = File::open(path).map_err(unreadable)?;
     let length = file.metadata().map_err(unreadable)?.len();
-    let mut file = BufReader::new(file);
+    read_from(BufReader::new(file), length, path)
+}
+
+/// As [`read`], from a source of exactly `length` bytes; `path` is named in messages.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_from(mut file: impl io::Read, length: u64, path: &Path) -> Result<Array, NpyError> {
+    let reader = Reader { path };
+    let unreadable = |source| reader.unreadable(source);
     let header = reader.header(&mut file)?;
     let [height, width] = reader.shape(&header)?;
     let number = reader.number(&header)?;
@@ -205,7 +215,7 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn header(&self, file: &mut BufReader<File>) -> Result<Header, NpyError> {
+    fn header(&self, file: &mut impl io::Read) -> Result<Header, NpyError> {
         Header::read(file).map_err(|error| match error.kind() {
             io::ErrorKind::InvalidData => self.damaged(error.to_string()),
             _ => self.unreadable(error),
@@ -241,6 +251,7 @@ impl Reader<'_> {
     }
 
     fn value(&self, what: &str, value: String, bound: &'static str, remedy: &'static str) -> NpyError {
+        let value = excerpt(&value, LONGEST_VALUE);
         NpyError::Value { path: self.path.into(), what: what.to_owned(), value, bound, remedy }
     }
 }

@@ -7,10 +7,15 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use serde_saphyr::Spanned;
 
+use crate::excerpt::{LONGEST_REPORT, LONGEST_VALUE, excerpt};
+
 use super::{Coding, Mode, Place, RosMapError, Thresholds};
 
 /// A description has some 200 bytes; a file of this many is something else.
 const MAX_BYTES: u64 = 1 << 16;
+
+/// Longest name of an image, with its folders, in characters: messages repeat it.
+const LONGEST_NAME: usize = 255;
 
 /// A turn and a little, either way, in radians: what is more was meant in degrees.
 const TURN: [f64; 2] = [-6.3, 6.3];
@@ -48,28 +53,33 @@ pub(super) struct Description {
 impl Description {
     /// Reads and checks the file at `path`.
     pub(super) fn read(path: &Path) -> Result<Self, RosMapError> {
-        let text = text(path)?;
+        let unreadable = |source| RosMapError::Unreadable { path: path.into(), source };
+        let mut bytes = Vec::new();
+        File::open(path).and_then(|f| f.take(MAX_BYTES + 1).read_to_end(&mut bytes)).map_err(unreadable)?;
+        Self::parse(&bytes, path, Path::is_file)
+    }
+
+    /// Checks the description in `bytes`; `exists` says whether an image is there, `path` is named in messages.
+    pub(super) fn parse(bytes: &[u8], path: &Path, exists: fn(&Path) -> bool) -> Result<Self, RosMapError> {
+        let text = text(bytes, path)?;
         let options = serde_saphyr::options! { with_snippet: false };
-        let keys = serde_saphyr::from_str_with_options::<Keys>(&text, options).map_err(|e| syntax(path, &text, &e))?;
-        Checker { path }.check(&keys)
+        let keys = serde_saphyr::from_str_with_options::<Keys>(text, options).map_err(|e| syntax(path, text, &e))?;
+        Checker { path, exists }.check(&keys)
     }
 }
 
 /// The text of the file, without the byte order mark that some editors put before it.
-fn text(path: &Path) -> Result<String, RosMapError> {
-    let unreadable = |source| RosMapError::Unreadable { path: path.into(), source };
+fn text<'a>(bytes: &'a [u8], path: &Path) -> Result<&'a str, RosMapError> {
     let wrong = |problem| RosMapError::NotADescription { path: path.into(), problem };
-    let mut bytes = Vec::new();
-    File::open(path).and_then(|f| f.take(MAX_BYTES + 1).read_to_end(&mut bytes)).map_err(unreadable)?;
     if bytes.len() as u64 > MAX_BYTES {
         return Err(wrong(format!("it has more than {MAX_BYTES} bytes")));
     }
-    let text = String::from_utf8(bytes)
-        .map_err(|e| wrong(format!("byte {} is not UTF-8 text", e.utf8_error().valid_up_to() + 1)))?;
+    let text =
+        std::str::from_utf8(bytes).map_err(|e| wrong(format!("byte {} is not UTF-8 text", e.valid_up_to() + 1)))?;
     if text.contains('\0') {
         return Err(wrong("it holds zero bytes".into()));
     }
-    Ok(text.strip_prefix('\u{feff}').unwrap_or(&text).to_owned())
+    Ok(text.strip_prefix('\u{feff}').unwrap_or(text))
 }
 
 fn syntax(path: &Path, text: &str, error: &serde_saphyr::Error) -> RosMapError {
@@ -85,7 +95,9 @@ fn syntax(path: &Path, text: &str, error: &serde_saphyr::Error) -> RosMapError {
         }
     }
     let problem = match error {
-        Yaml::DuplicateMappingKey { key: Some(key), .. } => format!("the key `{key}` stands here a second time"),
+        Yaml::DuplicateMappingKey { key: Some(key), .. } => {
+            format!("the key `{}` stands here a second time", excerpt(key, LONGEST_VALUE))
+        }
         Yaml::MultipleDocuments { .. } => "a second YAML document begins here".to_owned(),
         Yaml::Unexpected { expected: "string scalar", .. } => {
             "one value is needed here, not a list or table".to_owned()
@@ -95,7 +107,7 @@ fn syntax(path: &Path, text: &str, error: &serde_saphyr::Error) -> RosMapError {
         }
         Yaml::Unexpected { expected: "mapping start", .. } => "keys and values are needed here".to_owned(),
         // The parser repeats the place at the end.
-        other => other.to_string().replace(&format!(" at line {line}, column {column}"), ""),
+        other => excerpt(&other.to_string().replace(&format!(" at line {line}, column {column}"), ""), LONGEST_REPORT),
     };
     RosMapError::Syntax { place: Place { path: path.into(), line, column }, problem }
 }
@@ -103,6 +115,7 @@ fn syntax(path: &Path, text: &str, error: &serde_saphyr::Error) -> RosMapError {
 /// Turns the keys of one file into a description.
 struct Checker<'a> {
     path: &'a Path,
+    exists: fn(&Path) -> bool,
 }
 
 impl Checker<'_> {
@@ -145,14 +158,14 @@ impl Checker<'_> {
         let beside = self.path.parent().unwrap_or(Path::new(""));
         // Either slash: the other machine may have run another system.
         let file = name.rsplit(['/', '\\']).next().unwrap_or(name);
-        if file.is_empty() {
+        if file.is_empty() || given.value.chars().count() > LONGEST_NAME {
             return Err(self.wrong("image", given, "the name of a file", "give the map's PGM or PNG image"));
         }
         let mut tried = vec![beside.join(&given.value), beside.join(name), beside.join(file)];
         tried.dedup();
-        match tried.iter().find(|p| p.is_file()) {
+        match tried.iter().find(|p| (self.exists)(p)) {
             Some(found) => Ok(found.clone()),
-            None => Err(RosMapError::NoImage { place: self.place(given), value: name.to_owned(), tried }),
+            None => Err(RosMapError::NoImage { place: self.place(given), value: excerpt(name, LONGEST_VALUE), tried }),
         }
     }
 
@@ -162,7 +175,7 @@ impl Checker<'_> {
         let [x, y, theta] = given.value.as_slice() else {
             let values: Vec<&str> = given.value.iter().map(|v| v.value.as_str()).collect();
             let place = self.place(given);
-            let value = format!("[{}]", values.join(", "));
+            let value = format!("[{}]", excerpt(&values.join(", "), LONGEST_VALUE));
             let remedy = "give x and y of the lower-left corner in metres and the angle in radians";
             return Err(RosMapError::Value { place, key: "origin", value, bound: "three numbers".into(), remedy });
         };
@@ -218,7 +231,7 @@ impl Checker<'_> {
     }
 
     fn wrong(&self, key: &'static str, given: &Text, bound: &str, remedy: &'static str) -> RosMapError {
-        let value = given.value.trim().to_owned();
+        let value = excerpt(given.value.trim(), LONGEST_VALUE);
         RosMapError::Value { place: self.place(given), key, value, bound: bound.to_owned(), remedy }
     }
 

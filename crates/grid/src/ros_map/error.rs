@@ -2,9 +2,11 @@
 
 use std::fmt;
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use thiserror::Error;
+
+use crate::excerpt::excerpt;
 
 /// A place in a text file.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -19,7 +21,7 @@ pub struct Place {
 
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}:{}:{}", self.path.display(), self.line, self.column)
+        write!(f, "{}:{}:{}", shown(&self.path), self.line, self.column)
     }
 }
 
@@ -27,7 +29,7 @@ impl fmt::Display for Place {
 #[derive(Debug, Error)]
 pub enum RosMapError {
     /// A file cannot be opened or read.
-    #[error("{}: cannot be read: {source}; check the path and the permissions", path.display())]
+    #[error("{}: cannot be read: {source}; check the path and the permissions", shown(path))]
     Unreadable {
         /// The file.
         path: PathBuf,
@@ -35,7 +37,7 @@ pub enum RosMapError {
         source: io::Error,
     },
     /// The description is no text, or far too long.
-    #[error("{}: is not a map description: {problem}; give the YAML file, not the image", path.display())]
+    #[error("{}: is not a map description: {problem}; give the YAML file, not the image", shown(path))]
     NotADescription {
         /// The file.
         path: PathBuf,
@@ -51,7 +53,7 @@ pub enum RosMapError {
         problem: String,
     },
     /// A key is not there.
-    #[error("{}: the key `{key}` is missing; add {example}", path.display())]
+    #[error("{}: the key `{key}` is missing; add {example}", shown(path))]
     MissingKey {
         /// The description.
         path: PathBuf,
@@ -88,7 +90,11 @@ pub enum RosMapError {
         tried: Vec<PathBuf>,
     },
     /// The image is damaged or of a kind that is not read.
-    #[error("{}{}: cannot be read as a PGM or PNG image: {problem}; save the map again or convert it to one of the two", path.display(), within(at))]
+    #[error(
+        "{}{}: cannot be read as a PGM or PNG image: {problem}; save the map again or convert it to one of the two",
+        shown(path),
+        within(at)
+    )]
     DamagedImage {
         /// The image.
         path: PathBuf,
@@ -98,7 +104,10 @@ pub enum RosMapError {
         problem: String,
     },
     /// The image has no pixels, or too many.
-    #[error("{}: {width} x {height} pixels: must be at least 1 and at most {limit} in all; save the map again, cropped or with larger pixels", path.display())]
+    #[error(
+        "{}: {width} x {height} pixels: must be at least 1 and at most {limit} in all; save the map again, cropped or with larger pixels",
+        shown(path)
+    )]
     ImageSize {
         /// The image.
         path: PathBuf,
@@ -123,5 +132,10 @@ fn within(at: &Option<(u64, u64)>) -> String {
 }
 
 fn listed(paths: &[PathBuf]) -> String {
-    paths.iter().map(|p| p.display().to_string()).collect::<Vec<_>>().join(" and ")
+    paths.iter().map(|path| shown(path)).collect::<Vec<_>>().join(" and ")
+}
+
+/// A path on one line: the name of an image is what the file says.
+fn shown(path: &Path) -> String {
+    excerpt(&path.display().to_string(), usize::MAX)
 }

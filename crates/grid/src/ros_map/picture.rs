@@ -1,10 +1,12 @@
 //! The image of a map.
 
 use std::fs::File;
-use std::io::{BufRead, BufReader, Read as _, Seek};
+use std::io::{BufRead, BufReader, Seek};
 use std::path::Path;
 
 use image::{DynamicImage, ImageDecoder as _, ImageError, ImageFormat, ImageReader};
+
+use crate::excerpt::{LONGEST_REPORT, excerpt};
 
 use super::RosMapError;
 use super::netpbm::{self, Defect};
@@ -46,10 +48,20 @@ pub(super) struct Picture<T> {
 /// Reads a PGM (or another of the netpbm family) or PNG and takes `of` of every pixel.
 pub(super) fn read<T>(path: &Path, of: impl Fn(Pixel) -> T) -> Result<Picture<T>, RosMapError> {
     let unreadable = |source| RosMapError::Unreadable { path: path.into(), source };
-    let damaged = |at, problem| RosMapError::DamagedImage { path: path.into(), at, problem };
     let file = File::open(path).map_err(unreadable)?;
     let length = file.metadata().map_err(unreadable)?.len();
-    let mut file = BufReader::new(file);
+    read_from(BufReader::new(file), length, path, of)
+}
+
+/// The same from what is open already and has so many bytes.
+pub(super) fn read_from<T>(
+    mut file: impl BufRead + Seek,
+    length: u64,
+    path: &Path,
+    of: impl Fn(Pixel) -> T,
+) -> Result<Picture<T>, RosMapError> {
+    let unreadable = |source| RosMapError::Unreadable { path: path.into(), source };
+    let damaged = |at, problem| RosMapError::DamagedImage { path: path.into(), at, problem };
     // The first bytes say what it is; a name can be wrong.
     let binary = match file.fill_buf().map_err(unreadable)? {
         [b'P', b'2', ..] => Some(false),
@@ -70,7 +82,7 @@ pub(super) fn read<T>(path: &Path, of: impl Fn(Pixel) -> T) -> Result<Picture<T>
 /// Reads a PNG, or a netpbm image that is not grey, of so many bytes.
 fn decode<T>(file: impl BufRead + Seek, length: u64, of: impl Fn(Pixel) -> T) -> Result<Picture<T>, Defect> {
     let damaged = |problem: String| Defect::Damaged(None, problem);
-    let decoding = |error: ImageError| damaged(error.to_string().replace('\n', " "));
+    let decoding = |error: ImageError| damaged(excerpt(&error.to_string().replace('\n', " "), LONGEST_REPORT));
     let mut reader = ImageReader::new(file).with_guessed_format().map_err(Defect::Io)?;
     // PNG packs by a factor of 1032 at most; both put 8 black or white pixels into a byte.
     let most_per_byte = match reader.format() {

@@ -24,8 +24,7 @@ pub(super) fn read(root: &Table, scene: &Path) -> Result<Option<Map>, SceneError
     let texture = texture(&table)?;
     let Some(value) = table.get("file") else { return Err(table.missing("file", "`file = \"maps/....yaml\"`")) };
     let refused = |bound: &str, remedy: &str| table.refuse("file", value, bound, remedy);
-    let name = value.get_ref().as_str().filter(|s| !s.is_empty());
-    let name = name.ok_or_else(|| refused("the name of a map's YAML file", "it is relative to the scene file"))?;
+    let name = table.file(value, "the name of a map's YAML file")?;
     let path = scene.parent().unwrap_or(Path::new("")).join(name);
     let map = ros_map::read(&path).map_err(|error| root.source().error(value.span().start, Problem::Map(error)))?;
     if map.is_turned() {

@@ -36,9 +36,7 @@ pub(super) fn read(root: &Table, scene: &Path) -> Result<Option<Plan>, SceneErro
     let texture = texture(&table)?;
     let thickness_m = table.optional_number("thickness", &THICKNESS)?.unwrap_or(THICKNESS_M);
     let Some(value) = table.get("file") else { return Err(table.missing("file", "`file = \"plans/....json\"`")) };
-    let name = value.get_ref().as_str().filter(|s| !s.is_empty());
-    let remedy = "it is relative to the scene file";
-    let name = name.ok_or_else(|| table.refuse("file", value, "the name of a floor plan's JSON file", remedy))?;
+    let name = table.file(value, "the name of a floor plan's JSON file")?;
     let path = scene.parent().unwrap_or(Path::new("")).join(name);
     let plan = FloorPlan::load(&path).map_err(|error| root.source().error(value.span().start, Problem::Plan(error)))?;
     Ok(Some(Plan { plan, thickness_m, texture, line: table.line() }))

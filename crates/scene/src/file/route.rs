@@ -1,5 +1,7 @@
 //! `[waypoints]`, `[route]` and `[[stage]]`.
 
+use grid::excerpt::{LONGEST_VALUE, excerpt};
+
 use crate::geometry::distance;
 use crate::{Problem, SceneError, StagePlan, Stop, Waypoint};
 
@@ -19,7 +21,7 @@ pub(super) fn waypoints(root: &Table, bounds: [[f64; 2]; 2]) -> Result<Vec<Waypo
             let problem = Problem::Value {
                 element: "[waypoints]".to_owned(),
                 key: "name".to_owned(),
-                value: format!("{name:?}"),
+                value: format!("\"{}\"", excerpt(name, LONGEST_VALUE)),
                 bound: format!("1 to {LONGEST_NAME} characters that can be printed"),
                 remedy: "name the waypoint with a letter or a word".to_owned(),
             };
@@ -83,10 +85,10 @@ pub(super) fn stages(root: &Table, waypoints: &[Waypoint], stops: &[Stop]) -> Re
         let complete = k + 1 < tables.len() || after.len() == stops.len();
         let bound = match (on_route, longer, complete) {
             (true, true, true) => None,
-            (false, ..) => Some(format!("the first stops of the route, {}", listed(waypoints, stops))),
+            (false, ..) => Some(format!("the first stops of the route, {}", listed_stops(waypoints, stops))),
             (_, false, _) if stages.is_empty() => Some("at least the first stop of the route".to_owned()),
             (_, false, _) => Some("longer than that of the stage before it".to_owned()),
-            _ => Some(format!("the whole route in the last stage, {}", listed(waypoints, stops))),
+            _ => Some(format!("the whole route in the last stage, {}", listed_stops(waypoints, stops))),
         };
         if let Some(bound) = bound {
             let value = table.get("after").ok_or_else(|| table.missing("after", "the stops"))?;
@@ -111,14 +113,21 @@ fn find(table: &Table, waypoints: &[Waypoint], name: &str, value: &Value) -> Res
         let known: Vec<&str> = waypoints.iter().map(|w| w.name.as_str()).collect();
         let problem = Problem::UnknownWaypoint {
             element: table.element(),
-            name: name.to_owned(),
+            name: excerpt(name, LONGEST_VALUE),
             hint: hint(name, &known),
-            known: known.join(", "),
+            known: listed(&known),
         };
         table.source().error(value.span().start, problem)
     })
 }
 
-fn listed(waypoints: &[Waypoint], stops: &[Stop]) -> String {
-    stops.iter().map(|s| waypoints[s.waypoint].name.as_str()).collect::<Vec<_>>().join(", ")
+fn listed_stops(waypoints: &[Waypoint], stops: &[Stop]) -> String {
+    listed(&stops.iter().map(|s| waypoints[s.waypoint].name.as_str()).collect::<Vec<_>>())
+}
+
+/// Names for a message, the first of them where there are many.
+fn listed(names: &[&str]) -> String {
+    const MOST: usize = 20;
+    let shown = names[..names.len().min(MOST)].join(", ");
+    if names.len() > MOST { format!("{shown} and {} more", names.len() - MOST) } else { shown }
 }

@@ -1,11 +1,18 @@
 //! TOML tables read strictly: every value is checked where it is taken, and every refusal knows its line and column.
 
+use grid::excerpt::{LONGEST_VALUE, excerpt};
 use toml::de::{DeTable, DeValue};
 
 use crate::{Place, Problem, SceneError};
 
 /// Coordinates and lengths stay below this, m: doubles then resolve a tenth of a nanometre.
 pub(super) const METRES: f64 = 1e6;
+
+/// Longest name of a file, with its folders, in characters.
+const LONGEST_FILE: usize = 255;
+
+/// No name that is known is as long: the time and the memory that likeness takes grow with the length, in characters.
+const LONGEST_LIKE: usize = 64;
 
 /// A range that a number must lie in.
 pub struct Limit {
@@ -56,10 +63,8 @@ impl<'a> Source<'a> {
 
     /// The text of a value on one line, cut where it is long.
     fn excerpt(&self, span: std::ops::Range<usize>) -> String {
-        const LONGEST: usize = 60;
         let words: Vec<&str> = self.text.get(span).unwrap_or_default().split_whitespace().collect();
-        let line = words.join(" ");
-        if line.chars().count() <= LONGEST { line } else { line.chars().take(LONGEST).chain("...".chars()).collect() }
+        excerpt(&words.join(" "), LONGEST_VALUE)
     }
 }
 
@@ -101,7 +106,7 @@ impl<'a> Table<'a> {
         let Some((key, _)) = unknown else { return Ok(()) };
         let problem = Problem::UnknownKey {
             element: self.element(),
-            key: key.get_ref().to_string(),
+            key: excerpt(key.get_ref(), LONGEST_VALUE),
             hint: hint(key.get_ref(), known),
             known: known.join(", "),
         };
@@ -282,6 +287,13 @@ impl<'a> Table<'a> {
         value.get_ref().as_str().filter(fit).map(str::to_owned).ok_or_else(refused)
     }
 
+    /// The name of a file, which messages repeat.
+    pub(super) fn file(&self, value: &'a Value<'a>, bound: &str) -> Result<&'a str, SceneError> {
+        let fit = |s: &&str| !s.is_empty() && s.chars().count() <= LONGEST_FILE && !s.chars().any(char::is_control);
+        let name = value.get_ref().as_str().filter(fit);
+        name.ok_or_else(|| self.refuse("file", value, bound, "it is relative to the scene file"))
+    }
+
     /// A list of names, each with its own place.
     pub(super) fn strings(&self, key: &str, example: &str) -> Result<Vec<(&'a str, &'a Value<'a>)>, SceneError> {
         let Some(value) = self.get(key) else { return Err(self.missing(key, &format!("`{key} = {example}`"))) };
@@ -314,14 +326,18 @@ pub fn number(value: &Value) -> Option<f64> {
 
 /// The known name that is most like what was written; nothing if none is known.
 pub fn nearest<'k>(name: &str, known: impl IntoIterator<Item = &'k str>) -> &'k str {
-    let likeness = |known: &str| strsim::normalized_damerau_levenshtein(known, name);
+    let name: String = name.chars().take(LONGEST_LIKE).collect();
+    let likeness = |known: &str| strsim::normalized_damerau_levenshtein(known, &name);
     known.into_iter().max_by(|a, b| likeness(a).total_cmp(&likeness(b))).unwrap_or_default()
 }
 
 /// ` (did you mean ...?)` where a known name is near.
 pub(super) fn hint(name: &str, known: &[&str]) -> String {
+    let letters = name.chars().take(LONGEST_LIKE + 1).count();
+    if letters > LONGEST_LIKE {
+        return String::new();
+    }
     let away = |candidate: &str| strsim::damerau_levenshtein(&name.to_lowercase(), &candidate.to_lowercase());
-    let letters = name.chars().count();
     // A third of the letters may be wrong; of one or two letters, none or one.
     let most = (1 + letters / 3).min(letters.saturating_sub(1));
     let nearest = known.iter().filter(|_| letters > 0).min_by_key(|c| away(c)).filter(|c| away(c) <= most);

@@ -118,11 +118,13 @@ fn outer([width, height]: [f64; 2], thickness: f64) -> Vec<Piece> {
 fn rooms(walls: &mut Vec<Piece>, thickness: f64, [width, y, far]: [f64; 3], door_m: [f64; 2], rng: &mut ChaCha8Rng) {
     let half = 0.5 * thickness;
     let outer = if far > 0.0 { rounded(far - half) } else { half };
+    // Rounded as the last room's right side will be, which can be less by a hair than what it is rounded from.
+    let end = rounded(width - half);
     let mut left = half;
-    while left < width - half {
+    while left < end {
         let mut right = rounded(left + between(ROOM_M, rng));
         if width - right < ROOM_M[0] {
-            right = rounded(width - half);
+            right = end;
         } else {
             walls.push(Piece::Wall { from: [right, y], to: [right, outer], thickness });
         }
