@@ -1,0 +1,120 @@
+//! CARMEN logs and tables of scans, plain and gzip.
+
+use std::io::Write as _;
+
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use logs::{Log, LogError, Options, Report, Sensor};
+use sensor::Scan;
+
+use crate::message;
+
+const PLACE: &str = "a.log";
+
+/// Every member of a gzip file begins so.
+const MAGIC: [u8; 2] = [0x1f, 0x8b];
+
+/// A CARMEN log. Every line is a scan, skipped or damaged; scans are as [`read`] has them.
+pub fn carmen(data: &[u8]) {
+    let open = |options: &Options| Log::carmen(data, PLACE, options);
+    let Some(found) = both_ways(open) else { return };
+    let Report { lines, scans, damaged, skipped, .. } = &found.report;
+    assert_eq!(*lines, scans + damaged + skipped.values().sum::<u64>(), "{:?}", found.report);
+}
+
+/// A table of scans. A row is a beam, damaged, or of a scan that is.
+pub fn table(data: &[u8]) {
+    let open = |options: &Options| Log::table(data, PLACE, options);
+    let Some(found) = both_ways(open) else { return };
+    let Report { lines, beams, damaged, skipped, .. } = &found.report;
+    assert!(beams + damaged < *lines && skipped.is_empty(), "{:?}", found.report);
+}
+
+/// A compressed log as it stands; or any text, which read through gzip must be what it is without, and cut a part of it.
+pub fn gzip(data: &[u8]) {
+    let options = Options { damaged_share: 1.0, ..Options::default() };
+    if data.starts_with(&MAGIC) {
+        read(Log::read(data, PLACE, &options));
+        return;
+    }
+    let Some((place, text)) = data.split_first_chunk() else { return };
+    if text.starts_with(&MAGIC) {
+        return; // is no plain text
+    }
+    let place = usize::from(u16::from_le_bytes(*place));
+    // Two members, as where one log was appended to another.
+    let (first, second) = text.split_at(place % (text.len() + 1));
+    let whole = [packed(first), packed(second)].concat();
+    let plain = read(Log::read(text, PLACE, &options));
+    let compressed = read(Log::read(whole.as_slice(), PLACE, &options));
+    assert_eq!(plain, compressed);
+    let cut = read(Log::read(&whole[..place % whole.len()], PLACE, &options));
+    if let (Some(plain), Some(cut)) = (plain, cut) {
+        // The last line, and with it the last scan, can be cut too.
+        let sure = cut.scans.len().saturating_sub(1);
+        assert_eq!(cut.scans[..sure], plain.scans[..sure]);
+    }
+}
+
+fn packed(text: &[u8]) -> Vec<u8> {
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::fast());
+    encoder.write_all(text).expect("memory can be written");
+    encoder.finish().expect("memory can be written")
+}
+
+/// What was read of a log that has a scan.
+#[derive(Debug, PartialEq)]
+struct Found {
+    scans: Vec<Scan>,
+    report: Report,
+    whole: bool,
+}
+
+/// All scans, and then every second one.
+fn both_ways<'a>(open: impl Fn(&Options) -> Result<Log<'a>, LogError>) -> Option<Found> {
+    let all = read(open(&Options::default()))?;
+    let half = read(open(&Options { every: 2, damaged_share: 1.0, ..Options::default() }))?;
+    assert!(half.scans.iter().eq(all.scans.iter().step_by(2)), "{half:?} are not every second of {all:?}");
+    assert_eq!(half.report.kept + half.report.thinned, all.report.kept);
+    Some(all)
+}
+
+/// Reads to the end; every number must be one, and the report must add up.
+fn read(log: Result<Log<'_>, LogError>) -> Option<Found> {
+    let mut log = log.inspect_err(|error| message::check(error, PLACE)).ok()?;
+    let mut scans: Vec<Scan> = Vec::new();
+    let mut whole = true;
+    for scan in &mut log {
+        match scan {
+            Ok(scan) => scans.push(scan),
+            Err(error) => {
+                message::check(&error, PLACE);
+                whole = false;
+            }
+        }
+    }
+    assert!(log.next().is_none(), "goes on after its end");
+    let report = log.report().clone();
+    let dropped = report.outside_window + report.outside_trajectory + report.thinned;
+    assert_eq!((report.kept, report.kept + dropped), (scans.len() as u64, report.scans));
+    assert!(report.scans > 0 && report.damaged <= report.lines && report.problems.len() <= 20, "{report:?}");
+    report.problems.iter().for_each(|problem| message::line(&problem.reason));
+    let counted = [report.beams, report.unusable, report.no_returns];
+    let readings = || scans.iter().flat_map(|scan| &scan.readings);
+    let count = |wanted: fn(&Option<f64>) -> bool| readings().filter(|reading| wanted(reading)).count() as u64;
+    if dropped == 0 {
+        assert_eq!(counted, [count(|_| true), count(Option::is_none), count(|r| *r == Some(f64::INFINITY))]);
+    }
+    for scan in &scans {
+        assert!(!scan.readings.is_empty() && scan.readings.len() == scan.bearings_rad.len());
+        let numbers = [scan.time_s, scan.pose.x_m, scan.pose.y_m, scan.pose.theta_rad];
+        assert!(numbers.iter().chain(&scan.bearings_rad).all(|v| v.is_finite()), "{scan:?}");
+        let fine = |reading: f64| match log.sensor() {
+            Sensor::Laser { .. } => reading > 0.0,
+            Sensor::Stereo => reading >= 0.0 && reading.is_finite(),
+        };
+        assert!(scan.readings.iter().flatten().all(|reading| fine(*reading)), "{scan:?}");
+    }
+    assert!(!report.to_string().is_empty());
+    Some(Found { scans, report, whole })
+}
