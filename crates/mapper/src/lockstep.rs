@@ -163,6 +163,7 @@ impl Lockstep {
         rays.sort_by_key(far);
         let bundles = rays.len().div_ceil(LANES);
         let threads = threads.clamp(1, bundles);
+        let rays = dealt(&rays, threads);
         while self.workers.len() < threads {
             self.workers.push(Worker::new(self.map.numbering));
         }
@@ -189,6 +190,14 @@ impl Lockstep {
         agree::agree(&mut self.map, self.continuity, tally, self.reconciliation, &mut self.moved);
         self.occupancy.take();
     }
+}
+
+/// The rays in an order in which equal shares of them are equal work: bundle by bundle to every thread in turn. Bundles
+/// stay together, the one that is not full at the end.
+fn dealt(rays: &[Ray], threads: usize) -> Vec<Ray> {
+    let (bundles, rest) = rays.as_chunks::<LANES>();
+    let turns = (0..threads).flat_map(|k| bundles.iter().skip(k).step_by(threads));
+    turns.flatten().chain(rest).copied().collect()
 }
 
 /// What every worker does, each told its number; one of them alone wakes no thread.
