@@ -6,8 +6,8 @@ use grid::GridSpec;
 use sensor::SensorModel;
 
 use crate::{
-    ConstantIncrements, Conventional, ConventionalRule, Field, ForwardEm, Lockstep, LogOdds, Mapper, Mrf, NoOcclusion,
-    Prior, Reconciliation, Tuning, Unseen, Visibility,
+    ConstantIncrements, Conventional, ConventionalRule, Field, ForwardEm, Lateral, Lockstep, LogOdds, Mapper, Mrf,
+    NoOcclusion, Prior, Reconciliation, Tuning, Unseen, Visibility,
 };
 
 /// What a mapper is made from.
@@ -77,6 +77,13 @@ pub const MAPPERS: &[Entry] = &[
         source: "Eqs. (1)-(7), (18)-(20)",
         kind: Kind::Online,
         build: |setup| Box::new(Lockstep::visibility(setup)),
+    },
+    Entry {
+        name: "visibility-lateral",
+        summary: "the paper's method with continuity across rays too",
+        source: "Eqs. (1)-(7), (18)-(20); Rabiner 1989; Jeffrey 1965",
+        kind: Kind::Online,
+        build: |setup| Box::new(Lockstep::lateral(setup, Lateral::default())),
     },
     Entry {
         name: "visibility-reference",
@@ -161,6 +168,20 @@ pub const MAPPERS: &[Entry] = &[
         source: "ablation: Eq. (20)",
         kind: Kind::Online,
         build: |setup| Box::new(Lockstep::visibility(&with(setup, Reconciliation::AllEdges))),
+    },
+    Entry {
+        name: "lateral-rays",
+        summary: "half of visibility-lateral: rays of a scan tell each other where they end",
+        source: "ablation: Rabiner 1989",
+        kind: Kind::Online,
+        build: |setup| Box::new(Lockstep::lateral(setup, Lateral::RAYS)),
+    },
+    Entry {
+        name: "lateral-edges",
+        summary: "the other half: edges on no ray take over what their ends have learnt",
+        source: "ablation: Jeffrey 1965",
+        kind: Kind::Online,
+        build: |setup| Box::new(Lockstep::lateral(setup, Lateral::EDGES)),
     },
     Entry {
         name: "prior",

@@ -13,6 +13,7 @@
 
 mod agree;
 mod bundle;
+mod lateral;
 mod silent;
 mod tail;
 mod tally;
@@ -28,14 +29,16 @@ use sensor::{Ray, Scan, SensorModel};
 
 use self::agree::Moved;
 use self::bundle::{Bundle, Reach, World};
+use self::lateral::Layers;
 use self::tally::Tally;
 use crate::catalogue::Setup;
+use crate::lateral::{Across, Surfaces};
 use crate::lines::Lines;
 use crate::pairs::bounds;
 use crate::ray::RayUpdate;
 use crate::tiles::{Numbering, TILE, Tiles, split};
 use crate::work::{Held as _, Work};
-use crate::{Chain, Mapper, PairwiseGrid, Prior, Reconciliation, exact};
+use crate::{Chain, Lateral, Mapper, PairwiseGrid, Prior, Reconciliation, exact};
 
 /// Scans of fewer rays are not worth waking other threads for.
 const FEW_RAYS: usize = 1024;
@@ -78,8 +81,10 @@ pub struct Lockstep {
     sensor: Arc<dyn SensorModel>,
     onset: f64,
     reconciliation: Reconciliation,
+    lateral: Option<(Lateral, Surfaces)>,
     workers: Vec<Worker>,
     moved: Vec<Moved>,
+    layers: Layers,
     /// The map as others see it, made when it is asked for.
     occupancy: OnceCell<Raster<f64>>,
 }
@@ -108,6 +113,14 @@ impl Lockstep {
         Self::new(&Setup { prior, ..setup.clone() }, false)
     }
 
+    /// The paper's method with continuity across rays.
+    pub fn lateral(setup: &Setup, lateral: Lateral) -> Self {
+        let cell_m = setup.grid.cell_m;
+        let prior = lateral.prior(&setup.prior, cell_m);
+        let surfaces = Surfaces::new(&setup.prior, prior.onset(cell_m), cell_m);
+        Self { lateral: Some((lateral, surfaces)), ..Self::new(&Setup { prior, ..setup.clone() }, true) }
+    }
+
     fn new(setup: &Setup, continuity: bool) -> Self {
         let numbering = Numbering::new(setup.grid);
         // An unseen pair.
@@ -120,6 +133,8 @@ impl Lockstep {
             sensor: Arc::clone(&setup.sensor),
             onset: setup.prior.onset(setup.grid.cell_m),
             reconciliation: setup.reconciliation,
+            lateral: None,
+            layers: Layers::default(),
             workers: vec![Worker::new(numbering)],
             moved: Vec::new(),
             occupancy: OnceCell::new(),
@@ -167,13 +182,28 @@ impl Lockstep {
         while self.workers.len() < threads {
             self.workers.push(Worker::new(self.map.numbering));
         }
-        let world = World { map: &self.map, continuity: self.continuity, sensor: &*self.sensor, onset: self.onset };
+        let hops = self.lateral.as_ref().filter(|(lateral, _)| lateral.edges);
+        let hops = hops.map_or(0, |(lateral, _)| lateral.hops(self.map.numbering.spec().cell_m));
+        let across = self.lateral.as_ref().filter(|(lateral, _)| lateral.rays);
+        let across = across.map(|(_, on)| Across::new(&*self.sensor, &rays, self.map.numbering.spec(), on));
+        let world = World {
+            map: &self.map,
+            continuity: self.continuity,
+            sensor: &*self.sensor,
+            onset: self.onset,
+            across: across.as_ref(),
+            lateral: hops > 0,
+        };
         let share = bundles.div_ceil(threads) * LANES;
         let workers = &mut self.workers[..threads];
-        together(workers, |k, worker| worker.update(&world, rays.chunks(share).nth(k).unwrap_or_default()));
+        let of = |k: usize| (k * share, rays.chunks(share).nth(k).unwrap_or_default());
+        together(workers, |k, worker| worker.update(&world, of(k)));
         merge(workers);
         let reach: Vec<Reach> = workers.iter().flat_map(|worker| worker.reach.iter().copied()).collect();
-        let until_m = silent::farthest(self.map.numbering.spec(), &rays, &reach);
+        if hops > 0 {
+            lateral::open(&self.map, &mut workers[0].tally, hops);
+        }
+        let until_m = silent::farthest(self.map.numbering.spec(), &rays, &reach, 1 + hops);
         let until_m = |k: usize| until_m.chunks(share).nth(k).unwrap_or_default();
         // Several threads read what one of them alone can add to meanwhile.
         let spoken = (threads > 1).then(|| std::mem::replace(&mut workers[0].tally, Tally::new(self.map.numbering)));
@@ -187,7 +217,12 @@ impl Lockstep {
             merge(&mut self.workers[..threads]);
         }
         let tally = &mut self.workers[0].tally;
-        agree::agree(&mut self.map, self.continuity, tally, self.reconciliation, &mut self.moved);
+        match &self.lateral {
+            Some((lateral, _)) if hops > 0 => {
+                lateral::agree(&mut self.map, tally, lateral, hops, &mut self.layers);
+            }
+            _ => agree::agree(&mut self.map, self.continuity, tally, self.reconciliation, &mut self.moved),
+        }
         self.occupancy.take();
     }
 }
@@ -226,19 +261,21 @@ impl Worker {
         }
     }
 
-    fn update(&mut self, world: &World, rays: &[Ray]) {
+    /// Takes rays, the first of which has the given number among those of the scan.
+    fn update(&mut self, world: &World, (from, rays): (usize, &[Ray])) {
         self.bookmarks.resize_with(rays.len().div_ceil(LANES), Vec::new);
         self.reach.clear();
         for (number, rays) in rays.chunks(LANES).enumerate() {
-            let reach = self.bundle.update(world, rays, &mut self.tally, &mut self.bookmarks[number]);
-            for (ray, reach) in rays.iter().zip(reach) {
-                let reach = if reach.unlikely { self.update_slowly(world, ray) } else { reach };
+            let first = from + number * LANES;
+            let reach = self.bundle.update(world, (first, rays), &mut self.tally, &mut self.bookmarks[number]);
+            for ((k, ray), reach) in rays.iter().enumerate().zip(reach) {
+                let reach = if reach.unlikely { self.update_slowly(world, first + k, ray) } else { reach };
                 self.reach.push(reach);
             }
         }
     }
 
-    fn update_slowly(&mut self, world: &World, ray: &Ray) -> Reach {
+    fn update_slowly(&mut self, world: &World, number: usize, ray: &Ray) -> Reach {
         let numbering = world.map.numbering;
         let spec = numbering.spec();
         let occupied = |cell: usize| f64::from(world.map.occupied(numbering.of(cell)));
@@ -251,7 +288,8 @@ impl Worker {
             *chain =
                 Chain::new(cells.iter().map(|cell| occupied(*cell)).collect(), cells.windows(2).map(both).collect());
         };
-        self.slow.update(ray, spec, (world.sensor, world.onset), exact::posterior, gather);
+        let across = world.across.map(|across| (across, number));
+        self.slow.update(ray, spec, (world.sensor, world.onset), across, exact::posterior, gather);
         let (RayUpdate { line, posterior, .. }, tally) = (&self.slow, &mut self.tally);
         let cells = line.cells();
         if let &[only] = cells {
@@ -291,7 +329,7 @@ impl Mapper for Lockstep {
 
     fn work(&self) -> Work {
         let held = self.workers.iter().map(|worker| worker.bundle.bytes() + worker.tally.bytes());
-        let held = held.sum::<usize>() + self.moved.held();
+        let held = held.sum::<usize>() + self.moved.held() + self.layers.bytes();
         Work {
             cells: self.workers.iter().map(|worker| worker.bundle.cells).sum(),
             bytes: self.map.held() + self.occupancy.held() + held,
@@ -320,29 +358,35 @@ mod tests {
     #[test]
     fn a_map_that_grows_is_the_map_that_was_all_there_to_the_bit() {
         let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: 1000, height: 1800 };
-        for reconciliation in [Reconciliation::AllEdges, Reconciliation::Touched] {
-            for continuity in [true, false] {
-                let setup = Setup { reconciliation, ..Setup::new(grid, Arc::new(Stereo::default())) };
-                let (mut grows, mut dense) = (Lockstep::new(&setup, continuity), Lockstep::new(&setup, continuity));
-                (0..dense.map.numbering.tiles()).for_each(|tile| {
-                    dense.map.make(tile);
-                });
-                for scan in drive() {
-                    grows.integrate_on(&scan, 1);
-                    dense.integrate_on(&scan, 1);
-                }
-                let (grown, all) = (grows.pairs(), dense.pairs());
-                assert!(grown == all && grown != Lockstep::new(&setup, continuity).pairs());
-                let seen = grows.seen().expect("scans were taken");
-                assert!(seen.values().len() < grid.cells() / 2, "{:?}", seen.spec());
-                for cell in 0..grid.cells() {
-                    match seen.spec().locate(grid.centre(cell)) {
-                        Some(there) => assert_eq!(seen[there].to_bits(), all.marginal[cell].to_bits()),
-                        None => assert_eq!(all.marginal[cell].to_bits(), all.marginal[0].to_bits()),
-                    }
-                }
-                assert!(grows.map.held() < dense.map.held() / 2);
+        let lateral = |setup: &Setup| Lockstep::lateral(setup, Lateral::default());
+        let kinds: [(fn(&Setup) -> Lockstep, Reconciliation); 5] = [
+            (Lockstep::visibility, Reconciliation::AllEdges),
+            (Lockstep::visibility, Reconciliation::Touched),
+            (Lockstep::independent, Reconciliation::AllEdges),
+            (Lockstep::independent, Reconciliation::Touched),
+            (lateral, Reconciliation::AllEdges),
+        ];
+        for (unseen, reconciliation) in kinds {
+            let setup = Setup { reconciliation, ..Setup::new(grid, Arc::new(Stereo::default())) };
+            let (mut grows, mut dense) = (unseen(&setup), unseen(&setup));
+            (0..dense.map.numbering.tiles()).for_each(|tile| {
+                dense.map.make(tile);
+            });
+            for scan in drive() {
+                grows.integrate_on(&scan, 1);
+                dense.integrate_on(&scan, 1);
             }
+            let (grown, all) = (grows.pairs(), dense.pairs());
+            assert!(grown == all && grown != unseen(&setup).pairs());
+            let seen = grows.seen().expect("scans were taken");
+            assert!(seen.values().len() < grid.cells() / 2, "{:?}", seen.spec());
+            for cell in 0..grid.cells() {
+                match seen.spec().locate(grid.centre(cell)) {
+                    Some(there) => assert_eq!(seen[there].to_bits(), all.marginal[cell].to_bits()),
+                    None => assert_eq!(all.marginal[cell].to_bits(), all.marginal[0].to_bits()),
+                }
+            }
+            assert!(grows.map.held() < dense.map.held() / 2);
         }
     }
 }

@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use grid::Raster;
-use sensor::{Scan, SensorModel};
+use sensor::{Ray, Scan, SensorModel};
 
 use crate::catalogue::Setup;
+use crate::lateral::{Across, Surfaces};
 use crate::ray::RayUpdate;
 use crate::work::{Held as _, Work};
-use crate::{Chain, Mapper, Moments, PairwiseGrid, Prior, RayPosterior, Reconciliation, exact, printed};
+use crate::{Chain, Lateral, Mapper, Moments, PairwiseGrid, Prior, RayPosterior, Reconciliation, exact, printed};
 
 /// A rule for one ray: from the chain, `P(o | F_k)` and the likelihood beyond the last cell to the
 /// posterior of every pair.
@@ -30,6 +31,7 @@ pub struct Visibility {
     rule: RayRule,
     continuity: Continuity,
     reconciliation: Reconciliation,
+    lateral: Option<(Lateral, Surfaces)>,
     onset: f64,
     ray: RayUpdate,
     moments: Moments,
@@ -61,6 +63,14 @@ impl Visibility {
         Self { continuity: Continuity::Ignored, ..independent }
     }
 
+    /// The method with continuity across rays: the reference of [`crate::Lockstep::lateral`].
+    pub fn lateral(setup: &Setup, lateral: Lateral) -> Self {
+        let cell_m = setup.grid.cell_m;
+        let prior = lateral.prior(&setup.prior, cell_m);
+        let surfaces = Surfaces::new(&setup.prior, prior.onset(cell_m), cell_m);
+        Self { lateral: Some((lateral, surfaces)), ..Self::exact(&Setup { prior, ..setup.clone() }) }
+    }
+
     /// Any other rule for a ray.
     pub fn new(setup: &Setup, rule: RayRule) -> Self {
         Self {
@@ -69,6 +79,7 @@ impl Visibility {
             rule,
             continuity: Continuity::Kept,
             reconciliation: setup.reconciliation,
+            lateral: None,
             onset: setup.prior.onset(setup.grid.cell_m),
             ray: RayUpdate::default(),
             moments: Moments::new(setup.grid),
@@ -93,17 +104,25 @@ impl Visibility {
 
 impl Mapper for Visibility {
     fn integrate(&mut self, scan: &Scan) {
-        for ray in scan.rays() {
+        let rays: Vec<Ray> = scan.rays().filter(|ray| ray.reading.is_some()).collect();
+        let across = self.lateral.as_ref().filter(|(lateral, _)| lateral.rays);
+        let across = across.map(|(_, on)| Across::new(&*self.sensor, &rays, self.pairs.spec(), on));
+        for (number, ray) in rays.iter().enumerate() {
             let Self { pairs, ray: update, .. } = self;
             let belief = (&*self.sensor, self.onset);
-            if update.update(&ray, pairs.spec(), belief, self.rule, |chain, cells| chain.gather(pairs, cells)) {
+            let across = across.as_ref().map(|across| (across, number));
+            if update.update(ray, pairs.spec(), belief, across, self.rule, |chain, cells| chain.gather(pairs, cells)) {
                 self.moments.add(update.line.cells(), &update.posterior); // Eq. (20)
                 self.cells += update.line.len() as u64;
             }
         }
-        match self.continuity {
-            Continuity::Kept => self.pairs.reconcile(&mut self.moments, self.reconciliation), // Eqs. (18)-(20)
-            Continuity::Ignored => self.pairs.reconcile_cells(&mut self.moments, self.reconciliation),
+        match (self.continuity, &self.lateral) {
+            (_, Some((lateral, _))) if lateral.edges => {
+                let hops = lateral.hops(self.pairs.spec().cell_m);
+                self.pairs.reconcile_laterally(&mut self.moments, lateral, hops);
+            }
+            (Continuity::Kept, _) => self.pairs.reconcile(&mut self.moments, self.reconciliation), // Eqs. (18)-(20)
+            (Continuity::Ignored, _) => self.pairs.reconcile_cells(&mut self.moments, self.reconciliation),
         }
         debug_assert_eq!(self.pairs.check(), Ok(()));
     }

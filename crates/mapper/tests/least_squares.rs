@@ -1,7 +1,7 @@
 //! The oracle of the reconciliation: Eq. (20) under Eqs. (18) and (19) as a dense linear system.
 
 use grid::GridSpec;
-use mapper::{Joint, Moments, PairwiseGrid, Prior, RayPosterior, Reconciliation};
+use mapper::{Joint, Lateral, Moments, PairwiseGrid, Prior, RayPosterior, Reconciliation};
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 
@@ -11,9 +11,10 @@ struct Claim {
     a: usize,
     b: usize,
     joint: Joint,
+    weight: f64,
 }
 
-/// Minimises the sum of squares over the claims by Lagrange's method: unknown are the four joint
+/// Minimises the weighted sum of squares over the claims by Lagrange's method: unknown are the four joint
 /// probabilities of every pair named by a claim, `P(e_a, e_b)` in the order EE, EF, FE, FF.
 fn kkt(claims: &[Claim]) -> Vec<((usize, usize), Joint)> {
     let mut edges: Vec<(usize, usize)> = claims.iter().map(|c| (c.a, c.b)).collect();
@@ -47,8 +48,8 @@ fn kkt(claims: &[Claim]) -> Vec<((usize, usize), Joint)> {
         let base = column((claim.a, claim.b));
         let Joint { ee, ef, fe, ff } = claim.joint;
         for (s, p) in [ee, ef, fe, ff].into_iter().enumerate() {
-            matrix[(base + s, base + s)] += 2.0;
-            right[base + s] += 2.0 * p;
+            matrix[(base + s, base + s)] += 2.0 * claim.weight;
+            right[base + s] += 2.0 * claim.weight * p;
         }
     }
     for (row, (terms, value)) in constraints.iter().enumerate() {
@@ -109,22 +110,31 @@ fn walks_over(spec: GridSpec) -> impl Strategy<Value = Vec<(Vec<usize>, Vec<Join
     prop::collection::vec(walk, 1..5).prop_filter("some pair", |w| w.iter().any(|(_, joints)| !joints.is_empty()))
 }
 
-fn reconciled(Walks { spec, walks }: &Walks, rule: Reconciliation) -> PairwiseGrid {
-    let mut pairs = PairwiseGrid::prior(*spec, &Prior { occupancy: 0.5, correlation: 0.1, ..Prior::default() });
+fn unseen(spec: GridSpec) -> PairwiseGrid {
+    PairwiseGrid::prior(spec, &Prior { occupancy: 0.5, correlation: 0.1, ..Prior::default() })
+}
+
+fn reconciled(walks: &Walks, rule: Reconciliation) -> PairwiseGrid {
+    after(walks, |pairs, moments| pairs.reconcile(moments, rule))
+}
+
+/// The unseen map after the given step.
+fn after(Walks { spec, walks }: &Walks, step: impl Fn(&mut PairwiseGrid, &mut Moments)) -> PairwiseGrid {
+    let mut pairs = unseen(*spec);
     let mut moments = Moments::new(*spec);
     for (cells, joints) in walks.iter().filter(|(_, joints)| !joints.is_empty()) {
         let mut posterior = RayPosterior::default();
         posterior.pairs.clone_from(joints);
         moments.add(cells, &posterior);
     }
-    pairs.reconcile(&mut moments, rule);
+    step(&mut pairs, &mut moments);
     pairs.check().expect("valid");
     pairs
 }
 
 fn claims(Walks { walks, .. }: &Walks) -> Vec<Claim> {
     let steps = walks.iter().flat_map(|(cells, joints)| cells.windows(2).zip(joints));
-    steps.map(|(cells, &joint)| Claim { a: cells[0], b: cells[1], joint }).collect()
+    steps.map(|(cells, &joint)| Claim { a: cells[0], b: cells[1], joint, weight: 1.0 }).collect()
 }
 
 fn compare(pairs: &PairwiseGrid, oracle: &[((usize, usize), Joint)]) -> Result<(), TestCaseError> {
@@ -148,15 +158,50 @@ proptest! {
     #[test]
     fn all_edges_solve_it_with_the_joints_of_silent_edges(walks in walks()) {
         let mut all = claims(&walks);
-        let unseen = PairwiseGrid::prior(walks.spec, &Prior { occupancy: 0.5, correlation: 0.1, ..Prior::default() });
+        let unseen = unseen(walks.spec);
         for cell in 0..walks.spec.cells() {
             for n in walks.spec.neighbours(cell).filter(|n| n.cell > cell) {
                 if !all.iter().any(|c| (c.a, c.b) == (cell, n.cell)) {
-                    all.push(Claim { a: cell, b: n.cell, joint: unseen.joint(cell, n.cell) });
+                    all.push(Claim { a: cell, b: n.cell, joint: unseen.joint(cell, n.cell), weight: 1.0 });
                 }
             }
         }
         compare(&reconciled(&walks, Reconciliation::AllEdges), &kkt(&all))?;
+    }
+
+    #[test]
+    fn edges_that_learn_from_their_ends_solve_it_with_the_joints_of_jeffreys_rule(
+        walks in walks(), learnt in 0.0f64..4.0, before in 0.1f64..4.0,
+    ) {
+        let unseen = unseen(walks.spec);
+        let mut all = claims(&walks);
+        // What rays say of a cell, or what was known of it.
+        let said = |cell: usize| {
+            let of = |claim: &Claim| match cell {
+                c if c == claim.a => Some(claim.joint.first()),
+                c if c == claim.b => Some(claim.joint.second()),
+                _ => None,
+            };
+            let all: Vec<f64> = claims(&walks).iter().filter_map(of).collect();
+            if all.is_empty() { unseen.marginals()[cell] } else { all.iter().sum::<f64>() / all.len() as f64 }
+        };
+        for cell in 0..walks.spec.cells() {
+            for n in walks.spec.neighbours(cell).filter(|n| n.cell > cell) {
+                if claims(&walks).iter().any(|c| (c.a, c.b) == (cell, n.cell)) {
+                    continue;
+                }
+                let old = unseen.joint(cell, n.cell);
+                let [p, q] = [old.first(), old.second()];
+                let ([e, f], [g, h]) = ([said(cell) / p, (1.0 - said(cell)) / (1.0 - p)], [said(n.cell) / q, (1.0 - said(n.cell)) / (1.0 - q)]);
+                let here = Joint { ee: old.ee * e, ef: old.ef * e, fe: old.fe * f, ff: old.ff * f };
+                let there = Joint { ee: old.ee * g, ef: old.ef * h, fe: old.fe * g, ff: old.ff * h };
+                for (joint, weight) in [(here, learnt), (there, learnt), (old, before)] {
+                    all.push(Claim { a: cell, b: n.cell, joint, weight });
+                }
+            }
+        }
+        let lateral = Lateral { learnt, before, ..Lateral::default() };
+        compare(&after(&walks, |pairs, moments| pairs.reconcile_laterally(moments, &lateral, 1)), &kkt(&all))?;
     }
 
     #[test]

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use difference::difference;
 use grid::GridSpec;
 use mapper::catalogue::Setup;
-use mapper::{Lockstep, Mapper as _, Prior, Reconciliation, Visibility};
+use mapper::{Lateral, Lockstep, Mapper as _, Prior, Reconciliation, Visibility};
 use proptest::prelude::*;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
@@ -61,20 +61,50 @@ proptest! {
     }
 }
 
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+    #[test]
+    fn with_continuity_across_rays_too(
+        seed: u64, width in 1usize..90, height in 1usize..90, columns in 1usize..120, cell_m in 0.02f64..0.3,
+        occupancy in 0.01f64..0.6, correlation in 0.0f64..0.99, rays: bool, edges: bool,
+        learnt in 0.0f64..4.0, before in 0.1f64..4.0, sigma in 0.1f64..2.0, correct_match in 0.2f64..0.99,
+    ) {
+        let grid = GridSpec { cell_m, origin_m: [0.0; 2], width, height };
+        let stereo = Stereo { disparity_sigma: sigma, correct_match, ..Stereo::default() };
+        let prior = Prior { occupancy, correlation, ..Prior::default() };
+        let setup = Setup { prior, ..Setup::new(grid, Arc::new(stereo)) };
+        let lateral = Lateral { rays, edges, learnt, before };
+        let mut fast = Lockstep::lateral(&setup, lateral);
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        for _ in 0..6 {
+            let mut reference = Visibility::lateral(&setup, lateral);
+            reference.set_pairs(fast.pairs());
+            let scan = scan(&mut rng, &grid, columns, &stereo);
+            fast.integrate(&scan);
+            reference.integrate(&scan);
+            let found = difference(&fast.pairs(), reference.pairs());
+            prop_assert!(found < 1e-5, "{found} at {:?}", scan.pose);
+        }
+    }
+}
+
 #[test]
 fn the_map_does_not_depend_on_the_threads() {
     let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: 150, height: 120 };
     let setup = Setup::new(grid, Arc::new(Stereo::default()));
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let scans: Vec<Scan> = (0..5).map(|_| scan(&mut rng, &grid, 1500, &Stereo::default())).collect();
-    let on = |threads: usize| {
-        let mut mapper = Lockstep::visibility(&setup);
-        scans.iter().for_each(|scan| mapper.integrate_on(scan, threads));
-        mapper.pairs()
-    };
-    let one = on(1);
-    assert_ne!(one, Lockstep::visibility(&setup).pairs());
-    for threads in [2, 3, 7] {
-        assert!(on(threads) == one, "{threads} threads");
+    let lateral = |setup: &Setup| Lockstep::lateral(setup, Lateral::default());
+    for unseen in [Lockstep::visibility, lateral] {
+        let on = |threads: usize| {
+            let mut mapper = unseen(&setup);
+            scans.iter().for_each(|scan| mapper.integrate_on(scan, threads));
+            mapper.pairs()
+        };
+        let one = on(1);
+        assert_ne!(one, unseen(&setup).pairs());
+        for threads in [2, 3, 7] {
+            assert!(on(threads) == one, "{threads} threads");
+        }
     }
 }

@@ -66,34 +66,35 @@ impl WithSimd for AllEdges<'_> {
 }
 
 /// The first cell of a sheet's patch.
-fn first_of(tally: &Tally, sheet: usize) -> u32 {
+pub(super) fn first_of(tally: &Tally, sheet: usize) -> u32 {
     (tally.patch(sheet) * PATCH) as u32
 }
 
 #[inline(always)]
-fn patch(cells: &[f32; TILE], from: usize) -> &[f32; PATCH] {
+pub(super) fn patch(cells: &[f32; TILE], from: usize) -> &[f32; PATCH] {
     cells[from..from + PATCH].try_into().expect("a tile is made of patches")
 }
 
 #[inline(always)]
-fn patch_mut(cells: &mut [f32; TILE], from: usize) -> &mut [f32; PATCH] {
+pub(super) fn patch_mut(cells: &mut [f32; TILE], from: usize) -> &mut [f32; PATCH] {
     (&mut cells[from..from + PATCH]).try_into().expect("a tile is made of patches")
 }
 
 #[inline(always)]
-fn row<T: Copy + Default>(cells: &[T; PATCH], row: usize) -> Lanes<T> {
+pub(super) fn row<T: Copy + Default>(cells: &[T; PATCH], row: usize) -> Lanes<T> {
     each(|c| cells[row * SIDE + c])
 }
 
 /// The edges that the cells of a patch at the border of the grid do not have.
-fn missing(numbering: &Numbering, first: u32) -> [u32; PATCH] {
+pub(super) fn missing(numbering: &Numbering, first: u32) -> [u32; PATCH] {
     let (corner, spec) = (numbering.column_row(first), numbering.spec());
     let last = [spec.width - 1, spec.height - 1];
     let mut missing = [0; PATCH];
     if (0..2).any(|k| corner[k] == 0 || corner[k] + SIDE > last[k]) {
         for (place, missing) in missing.iter_mut().enumerate() {
             let at = [corner[0] + place % SIDE, corner[1] + place / SIDE];
-            let edge = |absent: bool, edge: u32| if absent { edge } else { 0 };
+            let outside = (0..2).any(|k| at[k] > last[k]);
+            let edge = |absent: bool, edge: u32| if absent || outside { edge } else { 0 };
             *missing = edge(at[0] >= last[0], RIGHT)
                 | edge(at[1] >= last[1], ABOVE)
                 | edge(at[0] == 0, LEFT)
@@ -164,7 +165,7 @@ fn joints(tile: &mut Tile, from: usize, sheet: &[Entry; PATCH], moved: &Moved, b
 }
 
 /// The edges into a patch from the one before it, of which nothing was said.
-fn follow(map: &mut Map, [before, first]: [u32; 2], axis: usize, moved: &Moved) {
+pub(super) fn follow(map: &mut Map, [before, first]: [u32; 2], axis: usize, moved: &Moved) {
     for k in (0..SIDE).map(|k| k * [SIDE, 1][axis]).filter(|k| moved[*k] != 0.0) {
         let q = map.occupied(first + k as u32);
         let (tile, place) = split(before + k as u32);

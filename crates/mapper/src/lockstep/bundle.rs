@@ -8,6 +8,7 @@ use super::Map;
 use super::tail::Tail;
 use super::tally::{Tally, rounded};
 use crate::beyond::Beyond;
+use crate::lateral::Across;
 use crate::lines::Lines;
 use crate::tiles::Numbering;
 
@@ -19,6 +20,10 @@ pub(super) struct World<'a> {
     pub(super) sensor: &'a dyn SensorModel,
     /// `u0` of an unseen world.
     pub(super) onset: f64,
+    /// What the rays of the scan say of each other.
+    pub(super) across: Option<&'a Across>,
+    /// Whether cells on no ray learn from those on one.
+    pub(super) lateral: bool,
 }
 
 /// Cells that are traced before the sensor model is asked about them.
@@ -64,6 +69,8 @@ pub(super) struct Reach {
 /// end. So one pass from the sensor is enough, and its values are normalised afterwards.
 pub(super) struct Bundle {
     lines: Lines,
+    /// Number of the first ray among those of the scan.
+    first: usize,
     tail: Tail,
     front: Front,
     /// Ranges of a block of cells, and the likelihoods.
@@ -93,6 +100,8 @@ struct Step {
     /// it differ, before the reading, and after it times the evidence.
     stays: Lanes<f32>,
     becomes: Lanes<f32>,
+    /// `1 - u`, where other rays can make much of little.
+    passes: Lanes<f32>,
     /// Range at which it is entered, m.
     entered: Lanes<f64>,
 }
@@ -117,6 +126,19 @@ impl WithSimd for Trace<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         self.0.trace(self.1);
+    }
+}
+
+/// The likelihoods of all rays, of a block from that of its own.
+struct Join<'a>(&'a mut Bundle, &'a Across);
+
+impl WithSimd for Join<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self(bundle, across) = self;
+        across.join_lanes(bundle.first, &bundle.ranges, &mut bundle.likelihood);
     }
 }
 
@@ -148,6 +170,7 @@ impl Bundle {
     pub(super) fn new(numbering: Numbering) -> Self {
         Self {
             lines: Lines::new(numbering),
+            first: 0,
             tail: Tail::default(),
             front: Front::default(),
             ranges: Vec::new(),
@@ -161,15 +184,16 @@ impl Bundle {
     }
 
     /// Adds what up to [`LANES`] rays with readings say to the tally, as far as they say anything, and gives how far
-    /// that is.
+    /// that is. `first` is the number of the first among those of the scan.
     pub(super) fn update(
         &mut self,
         world: &World,
-        rays: &[Ray],
+        (first, rays): (usize, &[Ray]),
         tally: &mut Tally,
         bookmarks: &mut Vec<Lines>,
     ) -> Lanes<Reach> {
         let mut beams = Beams::default();
+        self.first = first;
         self.lines = Lines::new(world.map.numbering);
         for (lane, ray) in rays.iter().enumerate() {
             let Some(reading) = ray.reading else { continue };
@@ -218,7 +242,7 @@ impl Bundle {
         self.front = Front { clear: [1.0; LANES], before, ..Front::default() };
         let arch = Arch::new();
         self.grow();
-        self.steps[0] = Step { becomes: before, ..Step::default() };
+        self.steps[0] = Step { becomes: before, passes: each(|l| 1.0 - before[l]), ..Step::default() };
         while !self.lines.done() {
             let from = self.taken;
             bookmarks.push(self.lines.clone());
@@ -226,6 +250,9 @@ impl Bundle {
             arch.dispatch(Trace(self, world));
             self.likelihood.resize(self.ranges.len() - 1, [0.0; LANES]);
             world.sensor.likelihood_lanes(beams, &self.ranges, &mut self.likelihood);
+            if let Some(across) = world.across {
+                arch.dispatch(Join(self, across));
+            }
             arch.dispatch(Advance(self, from));
             if (0..LANES).all(|l| self.lines.alive[l] <= 0.0 || self.is_settled(l, world, beams)) {
                 break;
@@ -241,8 +268,24 @@ impl Bundle {
         let Front { hit_occupied, hit_free, clear, .. } = self.front;
         let evidence = hit_occupied[l] + hit_free[l] + clear[l] * likelihood[l];
         let moved = (hit_occupied[l] - step.before[l] * evidence).abs();
-        let spread = || world.sensor.spread_from(beams.reading[l], beams.bearing_rad[l], self.lines.entered[l]);
+        let spread = || self.spread(l, likelihood[l], world, beams);
         moved <= CUT * evidence && f64::from(clear[l]) * spread() <= f64::from(CUT * evidence)
+    }
+
+    /// At most so much do the likelihoods of cells that a ray has not crossed yet differ; that of the last one that it has is
+    /// given.
+    fn spread(&self, l: usize, last: f32, world: &World, beams: &Beams) -> f64 {
+        let from_m = self.lines.entered[l];
+        let spread = world.sensor.spread_from(beams.reading[l], beams.bearing_rad[l], from_m);
+        let Some(across) = world.across else { return spread };
+        let ray = self.first + l;
+        if from_m < across.settled_from(ray) {
+            return f64::INFINITY;
+        }
+        // Of squares: |x^2 - y^2| <= (2 x + |x - y|) |x - y|.
+        let factor = f64::from(across.factor(ray, from_m));
+        let own = libm::sqrt(f64::from(last) / factor);
+        factor * (2.0 * own + spread) * spread
     }
 
     /// Makes room for a block, and the step after it.
@@ -289,6 +332,15 @@ impl Bundle {
             let u = each(|l| if u[l] < 1.0 { u[l] } else { 1.0 });
             following.stays = each(|l| alive[l] * t[l]);
             following.becomes = each(|l| alive[l] * u[l]);
+            following.passes = if world.across.is_some() {
+                // P(not E, not E_n) can be the last digit of a single.
+                let clear = each(|l| 1.0 - f64::from(before[l]));
+                let free = each(|l| (clear[l] - (f64::from(next[l]) - f64::from(both[l]))) / clear[l]);
+                let free = each(|l| if free[l] > 0.0 { free[l] as f32 } else { 0.0 });
+                each(|l| if alive[l] > 0.0 { free[l] } else { 1.0 })
+            } else {
+                each(|l| 1.0 - following.becomes[l])
+            };
             before = next;
             self.taken += 1;
             if lines.done() {
@@ -313,7 +365,7 @@ impl Bundle {
             step.becomes = each(|l| leaves[l] + begins[l]);
             hit_occupied = each(|l| hit_occupied[l] * t[l] + begins[l]);
             hit_free = each(|l| leaves[l] + hit_free[l] * (1.0 - u[l]));
-            let ahead = each(|l| clear[l] * (1.0 - u[l]));
+            let ahead = each(|l| clear[l] * step.passes[l]);
             clear = each(|l| if ahead[l] < NEGLIGIBLE { 0.0 } else { ahead[l] });
             step.after = hit_occupied;
             previous = step.before;
@@ -330,7 +382,10 @@ impl Bundle {
         let open = |l: usize| self.length[l] > 0 && clear[l] > nothing[l] && !goes_on[l];
         let wanted: Lanes<bool> = std::array::from_fn(open);
         let mut none = [1.0; LANES];
-        if wanted != [false; LANES] {
+        if let Some(across) = world.across {
+            let beyond = |l: usize| across.beyond(self.first + l, self.lines.entered[l]);
+            none = std::array::from_fn(|l| if wanted[l] { beyond(l) } else { 1.0 });
+        } else if wanted != [false; LANES] {
             let beyond = std::array::from_fn(|l| {
                 let direction = rays.get(l).map_or([1.0, 0.0], |ray| ray.direction);
                 Beyond::at(self.lines.entered[l], direction, world.map.numbering.spec().cell_m, world.onset)

@@ -8,9 +8,10 @@ use sensor::lanes::LANES;
 use super::bundle::{BLOCK, Reach, World};
 use super::tally::{LEFT, Tally};
 use crate::lines::Lines;
+use crate::tiles::PATCH;
 
-/// Adds to the tally, of every ray, the cells from its reach on that another ray has reached, unmoved. Which those are is
-/// in `spoken`, or else in the tally itself.
+/// Adds to the tally, of every ray, the cells from its reach on that another ray has reached, unmoved, or those in patches
+/// with a sheet where cells learn across rays. Which those are is in `spoken`, or else in the tally itself.
 ///
 /// All rays start in one place: such a cell is within the angle under which a cell is seen from there, and not
 /// farther than the ray that reached farthest within that angle.
@@ -63,7 +64,10 @@ fn count(
     edge: u32,
     pairs: u32,
 ) {
-    let spoken_of = |tally: &Tally, cell: u32| spoken.unwrap_or(tally).is_touched(cell);
+    let spoken_of = |tally: &Tally, cell: u32| match world.lateral {
+        false => spoken.unwrap_or(tally).is_touched(cell),
+        true => spoken.unwrap_or(tally).sheet_of(cell as usize / PATCH).is_some(),
+    };
     let (here, there) = (spoken_of(tally, cell), spoken_of(tally, before));
     if !here && !there {
         return;
@@ -87,8 +91,8 @@ fn count(
 }
 
 /// Up to where another ray's cells are, that a ray can cross beyond its own reach, m: as far as any reached within the
-/// angle, and across a cell and its neighbour.
-pub(super) fn farthest(spec: &GridSpec, rays: &[Ray], reach: &[Reach]) -> Vec<f64> {
+/// angle, and across a cell and its neighbours, so many on either side.
+pub(super) fn farthest(spec: &GridSpec, rays: &[Ray], reach: &[Reach], neighbours: usize) -> Vec<f64> {
     let mut order: Vec<usize> = (0..rays.len()).collect();
     let bearing = |ray: &usize| rays[*ray].bearing_rad;
     if !rays.is_sorted_by(|a, b| a.bearing_rad <= b.bearing_rad) {
@@ -103,7 +107,7 @@ pub(super) fn farthest(spec: &GridSpec, rays: &[Ray], reach: &[Reach]) -> Vec<f6
         most.push((0..last.len() - half).map(|i| last[i].max(last[i + half])).collect());
     }
     let span = order.last().map_or(0.0, bearing) - order.first().map_or(0.0, bearing);
-    let diagonal_m = std::f64::consts::SQRT_2 * spec.cell_m;
+    let diagonal_m = std::f64::consts::SQRT_2 * spec.cell_m * neighbours as f64;
     let mut until_m = vec![all; rays.len()];
     for ray in &order {
         let nearest_m = reach[*ray].end_m - diagonal_m;

@@ -1,0 +1,443 @@
+//! Where the rays of a scan end, as a chain over their bearings: the forward-backward algorithm, Rabiner 1989.
+//!
+//! The hidden state of a ray is the range at which it ends. From a ray to its neighbour, the surface goes on with
+//! probability `s(w)`, which falls with the distance `w` between the rays at that range, and then lies nearer or farther by
+//! about half of `w`; otherwise the neighbour ends anywhere, as in an unseen world. With `A` for what the rays on one side
+//! of a ray say of where it ends, and `B` for those on the other side, the likelihood of a reading `P(o | F_k)` becomes
+//! `P(o | F_k)^2 A B`: the geometric mean of the two sides times its own, and all that twice, since the least squares
+//! between rays take about half of it back.
+
+use grid::GridSpec;
+use pulp::{Arch, Simd, WithSimd};
+use sensor::lanes::{Beams, LANES, Lanes, each};
+use sensor::{Ray, SensorModel};
+
+use crate::Prior;
+
+/// Ranges are told apart by this much near the sensor, m ...
+const STEP_M: f64 = 0.05;
+
+/// ... and by twice as much after so many steps, by four times as much after twice as many more, and so on.
+const STEPS: usize = 128;
+
+/// Bits of a single's mantissa below those that count steps.
+const BELOW: u32 = 16;
+
+/// A surface lies nearer or farther by this share of the distance to the next ray, as one that stands 27 degrees from
+/// square to the rays; distances are exponential about that.
+const SLOPE: f64 = 0.5;
+
+/// What the other rays of a scan say of each: a factor on the likelihood of every range.
+pub(crate) struct Across {
+    /// Place of every ray in the order of their bearings, in which all that follows is.
+    rank: Vec<usize>,
+    nodes: Nodes,
+    /// `P(o | F)` of every ray's own reading at every node, eight rays to a lane each after the other.
+    likelihood: Vec<Lanes<f32>>,
+    /// `A B` of every ray at every node.
+    factors: Vec<f32>,
+    /// Range from which on a ray's factor is the same, m.
+    settled_m: Vec<f64>,
+}
+
+/// What is believed of surfaces.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Surfaces {
+    /// Rays at least this far apart, m, say nothing of each other.
+    reach_m: f64,
+    /// Where a surface is within a cell is not known, m.
+    blur_m: f64,
+    /// Obstacles that begin per metre of free space in an unseen world.
+    rate: f64,
+}
+
+impl Surfaces {
+    /// Rays know of each other as far as obstacles are correlated: over the correlation length of the prior.
+    /// `onset` is that of the chain along a ray.
+    pub(crate) fn new(prior: &Prior, onset: f64, cell_m: f64) -> Self {
+        let reach_m = -cell_m / libm::log(prior.neighbour_correlation(cell_m));
+        Self { reach_m: reach_m.max(0.0), blur_m: 0.5 * cell_m, rate: -libm::log1p(-onset.min(0.999)) / cell_m }
+    }
+
+    /// Probability that a surface goes on to a ray at the distance `apart_m` (m): 1 where rays touch, 0 from the reach on.
+    fn goes_on(&self, apart_m: f64) -> f64 {
+        let left = 1.0 - apart_m / self.reach_m;
+        // Without correlation the reach is 0, and rays that touch are 0 / 0 apart.
+        if left > 0.0 { left * left } else { 0.0 }
+    }
+}
+
+/// Range of a node, m.
+fn node_m(node: usize) -> f64 {
+    let steps = ((STEPS + node % STEPS) << (node / STEPS)) - STEPS;
+    STEP_M * steps as f64
+}
+
+/// The node before a range (m), and how much of the way to the next one it is: read off the bits of a single.
+#[inline(always)]
+fn node_before(range_m: f64) -> (u32, f32) {
+    let bits = ((range_m * (1.0 / STEP_M)) as f32 + STEPS as f32).to_bits() - (STEPS as f32).to_bits();
+    (bits >> BELOW, (bits & ((1 << BELOW) - 1)) as f32 * (1.0 / (1 << BELOW) as f32))
+}
+
+/// The nodes of a scan and what is the same for all its rays.
+struct Nodes {
+    range_m: Vec<f64>,
+    /// Borders of what a node stands for, m.
+    borders_m: Vec<f64>,
+    width: Vec<f32>,
+    /// Probability that a ray ends there in an unseen world; of the last, there or farther.
+    unseen: Vec<f32>,
+}
+
+impl Nodes {
+    fn new(farthest_m: f64, rate: f64) -> Self {
+        let count = node_before(farthest_m).0 as usize + 2;
+        let range_m: Vec<f64> = (0..count).map(node_m).collect();
+        // The last stands for all that lies beyond: as far as a ray gets there on average.
+        let far_m = node_m(count - 1) + (1.0 / rate).min(farthest_m + 1.0);
+        let between = (0..count).map(|k| if k + 1 < count { 0.5 * (node_m(k) + node_m(k + 1)) } else { far_m });
+        let borders_m: Vec<f64> = std::iter::once(0.0).chain(between).collect();
+        let passed: Vec<f64> = borders_m.iter().map(|border_m| libm::exp(-rate * border_m)).collect();
+        let ends = |k: usize| passed[k] - if k + 1 < count { passed[k + 1] } else { 0.0 };
+        Self {
+            width: borders_m.windows(2).map(|pair| (pair[1] - pair[0]) as f32).collect(),
+            unseen: (0..count).map(|k| ends(k) as f32).collect(),
+            range_m,
+            borders_m,
+        }
+    }
+}
+
+impl Across {
+    /// For rays with readings from one place, in any order.
+    pub(crate) fn new(sensor: &dyn SensorModel, rays: &[Ray], spec: &GridSpec, surfaces: &Surfaces) -> Self {
+        let nodes = Nodes::new(farthest_m(spec, rays), surfaces.rate);
+        let count = nodes.range_m.len();
+        let mut order: Vec<usize> = (0..rays.len()).collect();
+        order.sort_by(|a, b| rays[*a].bearing_rad.total_cmp(&rays[*b].bearing_rad));
+        let mut rank = vec![0; rays.len()];
+        order.iter().enumerate().for_each(|(place, ray)| rank[*ray] = place);
+        let rays: Vec<Ray> = order.iter().map(|ray| rays[*ray]).collect();
+        let likelihood = likelihoods(sensor, &rays, &nodes);
+        let factors = vec![1.0; rays.len() * count];
+        let mut across = Self { rank, nodes, likelihood, factors, settled_m: vec![0.0; rays.len()] };
+        if rays.len() < 2 || surfaces.reach_m <= 0.0 {
+            return across;
+        }
+        let walk = Walk { nodes: &across.nodes, surfaces, rays: &rays, likelihood: &across.likelihood };
+        Arch::new().dispatch(Both { walk, factors: &mut across.factors });
+        for (place, (factors, settled_m)) in across.factors.chunks_mut(count).zip(&mut across.settled_m).enumerate() {
+            // Evidence is then at most about one, whatever the others say.
+            let own = |node: usize| across.likelihood[place / LANES * count + node][place % LANES];
+            let peak = factors.iter().enumerate().fold(0.0f32, |peak, (k, factor)| peak.max(own(k) * own(k) * factor));
+            let scale = if peak > f32::MIN_POSITIVE { 1.0 / peak } else { 1.0 };
+            factors.iter_mut().for_each(|factor| *factor *= scale);
+            let changes = factors.windows(2).rposition(|pair| pair[0].to_bits() != pair[1].to_bits());
+            *settled_m = changes.map_or(0.0, |node| across.nodes.range_m[node + 1]);
+        }
+        across
+    }
+
+    /// The factor of a ray at a range (m).
+    pub(crate) fn factor(&self, ray: usize, range_m: f64) -> f32 {
+        self.at(self.rank[ray], node_before(range_m))
+    }
+
+    #[inline(always)]
+    fn at(&self, place: usize, (node, part): (u32, f32)) -> f32 {
+        let count = self.nodes.range_m.len();
+        let last = count - 2;
+        let (node, part) = if node as usize > last { (last, 1.0) } else { (node as usize, part) };
+        let row = &self.factors[place * count..][..count];
+        row[node] * (1.0 - part) + row[node + 1] * part
+    }
+
+    /// The likelihood of all readings if a ray ends beyond a range (m), somewhere in an unseen world: the sum to infinity
+    /// in Eq. (7), over nodes.
+    pub(crate) fn beyond(&self, ray: usize, from_m: f64) -> f32 {
+        let Nodes { borders_m, width, unseen, .. } = &self.nodes;
+        let count = unseen.len();
+        let place = self.rank[ray];
+        let likelihood = |node: usize| {
+            let own = self.likelihood[place / LANES * count + node][place % LANES];
+            own * own * self.factors[place * count + node]
+        };
+        let (node, part) = node_before(from_m);
+        let first = (node as usize + usize::from(part > 0.5)).min(count - 1);
+        let share = (((borders_m[first + 1] - from_m) as f32) / width[first]).clamp(0.0, 1.0);
+        let (mut sum, mut mass) = (share * unseen[first] * likelihood(first), share * unseen[first]);
+        for node in first + 1..count {
+            sum += unseen[node] * likelihood(node);
+            mass += unseen[node];
+        }
+        if mass > f32::MIN_POSITIVE { sum / mass } else { likelihood(count - 1) }
+    }
+
+    /// Range (m) from which on the factor of a ray is the same.
+    pub(crate) fn settled_from(&self, ray: usize) -> f64 {
+        self.settled_m[self.rank[ray]]
+    }
+
+    /// Turns the likelihoods of a ray's own reading, for chords between the given ranges (m), into those of all.
+    pub(crate) fn join(&self, ray: usize, ranges: &[f64], likelihood: &mut [f64]) {
+        for (likelihood, chord) in likelihood.iter_mut().zip(ranges.windows(2)) {
+            *likelihood *= *likelihood * f64::from(self.factor(ray, 0.5 * (chord[0] + chord[1])));
+        }
+    }
+
+    /// The same for the rays from `first` on, one to a lane.
+    #[inline(always)]
+    pub(crate) fn join_lanes(&self, first: usize, ranges: &[Lanes<f64>], likelihood: &mut [Lanes<f32>]) {
+        let places = each(|l| self.rank[(first + l).min(self.rank.len() - 1)]);
+        for (likelihood, chord) in likelihood.iter_mut().zip(ranges.windows(2)) {
+            let nodes = each(|l| node_before(0.5 * (chord[0][l] + chord[1][l])));
+            let factor = each(|l| self.at(places[l], nodes[l]));
+            *likelihood = each(|l| likelihood[l] * likelihood[l] * factor[l]);
+        }
+    }
+}
+
+/// No cell of the grid is farther from where the rays start, m.
+fn farthest_m(spec: &GridSpec, rays: &[Ray]) -> f64 {
+    let size_m = [spec.width, spec.height].map(|cells| cells as f64 * spec.cell_m);
+    let origin_m = rays.first().map_or(spec.origin_m, |ray| ray.origin_m);
+    let side = |k: usize| {
+        let from_m = origin_m[k] - spec.origin_m[k];
+        from_m.abs().max((size_m[k] - from_m).abs())
+    };
+    libm::hypot(side(0), side(1))
+}
+
+/// The likelihood of every reading at every node, eight rays after the other.
+fn likelihoods(sensor: &dyn SensorModel, rays: &[Ray], nodes: &Nodes) -> Vec<Lanes<f32>> {
+    let count = nodes.range_m.len();
+    let borders: Vec<Lanes<f64>> = nodes.borders_m.iter().map(|border_m| [*border_m; LANES]).collect();
+    let mut likelihood = vec![[1.0; LANES]; rays.len().div_ceil(LANES) * count];
+    for (rays, likelihood) in rays.chunks(LANES).zip(likelihood.chunks_mut(count)) {
+        let mut beams = Beams::default();
+        for (lane, ray) in rays.iter().enumerate() {
+            beams.reading[lane] = ray.reading.unwrap_or_default();
+            beams.bearing_rad[lane] = ray.bearing_rad;
+        }
+        sensor.likelihood_lanes(&beams, &borders, likelihood);
+    }
+    likelihood
+}
+
+/// Rays in the order of their bearings.
+struct Walk<'a> {
+    nodes: &'a Nodes,
+    surfaces: &'a Surfaces,
+    rays: &'a [Ray],
+    likelihood: &'a [Lanes<f32>],
+}
+
+/// Both directions at once, which do not need each other.
+struct Both<'a> {
+    walk: Walk<'a>,
+    factors: &'a mut [f32],
+}
+
+impl WithSimd for Both<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { walk, factors } = self;
+        let count = walk.nodes.range_m.len();
+        let mut messages = vec![[1.0f32; 2]; count];
+        let mut step = Step::new(count);
+        for k in 1..walk.rays.len() {
+            let back = walk.rays.len() - 1 - k;
+            let [from, to] = [[k - 1, back + 1], [k, back]];
+            step.take(&walk, from, to, &mut messages);
+            for (side, ray) in to.iter().enumerate() {
+                let row = &mut factors[ray * count..][..count];
+                row.iter_mut().zip(&messages).for_each(|(factor, message)| *factor *= message[side]);
+            }
+        }
+    }
+}
+
+/// From rays to their neighbours, on both sides. A buffer.
+struct Step {
+    /// What is known of where the rays end.
+    known: Vec<[f32; 2]>,
+    /// How much a node counts at the next.
+    decay: Vec<[f32; 2]>,
+    /// Sums over nodes of what is known and of what it weighs.
+    sums: Vec<[f32; 4]>,
+}
+
+impl Step {
+    fn new(count: usize) -> Self {
+        Self { known: vec![[0.0; 2]; count], decay: vec![[0.0; 2]; count], sums: vec![[0.0; 4]; count] }
+    }
+
+    /// Turns what is said of rays `from` by those before them into what is said of rays `to`.
+    #[inline(always)]
+    fn take(&mut self, walk: &Walk, from: [usize; 2], to: [usize; 2], messages: &mut [[f32; 2]]) {
+        let Nodes { range_m, width, unseen, .. } = walk.nodes;
+        let count = messages.len();
+        let angle = [0, 1].map(|s| (walk.rays[to[s]].bearing_rad - walk.rays[from[s]].bearing_rad).abs());
+        let rows = from.map(|ray| (&walk.likelihood[ray / LANES * count..][..count], ray % LANES));
+        let mut mean = [0.0f32; 2];
+        for k in 0..count {
+            self.known[k] = [0, 1].map(|s| messages[k][s] * rows[s].0[k][rows[s].1]);
+            mean = [0, 1].map(|s| mean[s] + unseen[k] * self.known[k][s]);
+            let nodes = [0, 1].map(|s| ((SLOPE * range_m[k] * angle[s] + walk.surfaces.blur_m) as f32) / width[k]);
+            self.decay[k] = nodes.map(|nodes| nodes / (1.0 + nodes));
+        }
+        let after = |sums: [f32; 4], [known, decay]: [[f32; 2]; 2], width: f32| {
+            [
+                width * known[0] + decay[0] * sums[0],
+                width * known[1] + decay[1] * sums[1],
+                width + decay[0] * sums[2],
+                width + decay[1] * sums[3],
+            ]
+        };
+        let mut sums = [0.0; 4];
+        for k in 0..count {
+            sums = after(sums, [self.known[k], self.decay[k]], width[k]);
+            self.sums[k] = sums;
+        }
+        sums = [0.0; 4];
+        let mut total = [0.0f32; 2];
+        for k in (0..count).rev() {
+            let decay = self.decay[k];
+            let here = self.sums[k];
+            let [a, b] = [here[0] + decay[0] * sums[0], here[1] + decay[1] * sums[1]];
+            let [c, d] = [here[2] + decay[0] * sums[2], here[3] + decay[1] * sums[3]];
+            let near = [a / c, b / d];
+            let goes_on = angle.map(|angle| walk.surfaces.goes_on(range_m[k] * angle) as f32);
+            messages[k] = [0, 1].map(|s| goes_on[s] * near[s] + (1.0 - goes_on[s]) * mean[s]);
+            total = [0, 1].map(|s| total[s] + unseen[k] * messages[k][s]);
+            sums = after(sums, [self.known[k], decay], width[k]);
+        }
+        // Of readings that are impossible wherever the rays end, nothing is learnt.
+        let scale = total.map(|total| if total > f32::MIN_POSITIVE { 1.0 / total } else { 0.0 });
+        for message in messages {
+            *message = [0, 1].map(|s| if scale[s] > 0.0 { message[s] * scale[s] } else { 1.0 });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use sensor::{Laser, Stereo};
+
+    /// From where one ray ends to where the next one does, node by node: the sum of what is said above of surfaces.
+    fn transition(nodes: &Nodes, surfaces: &Surfaces, angle: f64) -> Vec<Vec<f64>> {
+        let count = nodes.range_m.len();
+        let width = |k: usize| nodes.borders_m[k + 1] - nodes.borders_m[k];
+        let decay = |k: usize| {
+            let lengths = (SLOPE * nodes.range_m[k] * angle + surfaces.blur_m) / width(k);
+            lengths / (1.0 + lengths)
+        };
+        let row = |k: usize| {
+            let near = |j: usize| {
+                let between = if j < k { j + 1..k + 1 } else { k..j };
+                width(j) * between.map(decay).product::<f64>()
+            };
+            let sum: f64 = (0..count).map(near).sum();
+            let left = (1.0 - nodes.range_m[k] * angle / surfaces.reach_m).max(0.0);
+            let goes_on = left * left;
+            let unseen = |j: usize| {
+                let passed = |border: usize| (-surfaces.rate * nodes.borders_m[border]).exp();
+                passed(j) - if j + 1 < count { passed(j + 1) } else { 0.0 }
+            };
+            (0..count).map(|j| goes_on * near(j) / sum + (1.0 - goes_on) * unseen(j)).collect()
+        };
+        (0..count).map(row).collect()
+    }
+
+    /// For every node of a ray the sum over all ways in which the others can end.
+    fn enumerate(nodes: &Nodes, surfaces: &Surfaces, rays: &[Ray], ray: usize, likelihood: &[Vec<f64>]) -> Vec<f64> {
+        let count = nodes.range_m.len();
+        let mut sums = vec![0.0; count];
+        for number in 0..count.pow(rays.len() as u32) {
+            let ends: Vec<usize> = (0..rays.len()).map(|k| number / count.pow(k as u32) % count).collect();
+            let mut product = 1.0;
+            for k in 0..rays.len() {
+                if k != ray {
+                    let towards = if k < ray { k + 1 } else { k - 1 };
+                    let angle = (rays[k].bearing_rad - rays[towards].bearing_rad).abs();
+                    product *= transition(nodes, surfaces, angle)[ends[towards]][ends[k]] * likelihood[k][ends[k]];
+                }
+            }
+            sums[ends[ray]] += product;
+        }
+        sums
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(40))]
+        #[test]
+        fn it_is_the_sum_over_all_ends_of_the_other_rays(
+            bearings in prop::collection::vec(-0.7f64..0.7, 1..5), readings in prop::collection::vec(0.0f64..60.0, 4),
+            correlation in 0.0f64..0.99, laser: bool,
+        ) {
+            let spec = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: 3, height: 1 };
+            let prior = Prior { correlation, ..Prior::default() };
+            let surfaces = Surfaces::new(&prior, prior.onset(0.05), 0.05);
+            let (stereo, beam) = (Stereo { disparity_sigma: 20.0, ..Stereo::default() }, Laser::default());
+            let sensor: &dyn SensorModel = if laser { &beam } else { &stereo };
+            let ray = |(bearing_rad, reading): (&f64, &f64)| {
+                let reading = if laser { reading / 300.0 } else { *reading };
+                Ray { origin_m: [0.01, 0.02], direction: [1.0, 0.0], bearing_rad: *bearing_rad, reading: Some(reading) }
+            };
+            let given: Vec<Ray> = bearings.iter().zip(&readings).map(ray).collect();
+            let across = Across::new(sensor, &given, &spec, &surfaces);
+            let mut rays = given.clone();
+            rays.sort_by(|a, b| a.bearing_rad.total_cmp(&b.bearing_rad));
+            let nodes = Nodes::new(farthest_m(&spec, &given), surfaces.rate);
+            let likelihood: Vec<Vec<f64>> = rays.iter().map(|ray| {
+                let mut likelihood = vec![0.0; nodes.range_m.len()];
+                sensor.likelihood(ray.reading.expect("given"), ray.bearing_rad, &nodes.borders_m, &mut likelihood);
+                likelihood
+            }).collect();
+            for (number, ray) in given.iter().enumerate() {
+                let place = rays.iter().position(|other| other.bearing_rad.to_bits() == ray.bearing_rad.to_bits()).expect("it is there");
+                let expected = enumerate(&nodes, &surfaces, &rays, place, &likelihood);
+                for (k, at_m) in nodes.range_m.iter().enumerate() {
+                    let found = f64::from(across.factor(number, *at_m) / across.factor(number, 0.0));
+                    let expected = expected[k] / expected[0];
+                    prop_assert!((found / expected - 1.0).abs() < 1e-4, "ray {number}, node {k}: {found} against {expected}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn nodes_are_found_from_ranges() {
+        for node in 0..700 {
+            let (at_m, next_m) = (node_m(node), node_m(node + 1));
+            for part in [0.0, 0.25, 0.75] {
+                let (before, found) = node_before(at_m + part * (next_m - at_m) + 1e-9 * next_m);
+                assert!(
+                    before as usize == node && (f64::from(found) - part).abs() < 1e-3,
+                    "{node} {part}: {before} {found}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn rays_that_do_not_know_of_each_other_say_nothing() {
+        let spec = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: 100, height: 100 };
+        let rays: Vec<Ray> = (0..20)
+            .map(|k| Ray {
+                origin_m: [1.0; 2],
+                direction: [1.0, 0.0],
+                bearing_rad: 0.01 * f64::from(k),
+                reading: Some(5.0),
+            })
+            .collect();
+        let prior = Prior { correlation: 0.0, ..Prior::default() };
+        let across = Across::new(&Stereo::default(), &rays, &spec, &Surfaces::new(&prior, 0.1, 0.05));
+        assert!(across.factors.iter().all(|factor| factor.to_bits() == across.factors[0].to_bits()));
+    }
+}
