@@ -32,12 +32,12 @@ pub(crate) struct Across {
     /// Place of every ray in the order of their bearings, in which all that follows is.
     rank: Vec<usize>,
     nodes: Nodes,
-    /// `P(o | F)` of every ray's own reading at every node, eight rays to a lane each after the other.
-    likelihood: Vec<Lanes<f32>>,
     /// `A B` of every ray at every node.
     factors: Vec<f32>,
-    /// Range from which on a ray's factor is the same, m.
-    settled_m: Vec<f64>,
+    /// The likelihood of all readings, `P(o | F)^2 A B`, of every ray at every node.
+    joint: Vec<f32>,
+    /// By how much that differs between any two nodes from each on.
+    spread: Vec<f32>,
 }
 
 /// What is believed of surfaces.
@@ -57,13 +57,6 @@ impl Surfaces {
     pub(crate) fn new(prior: &Prior, onset: f64, cell_m: f64) -> Self {
         let reach_m = -cell_m / libm::log(prior.neighbour_correlation(cell_m));
         Self { reach_m: reach_m.max(0.0), blur_m: 0.5 * cell_m, rate: -libm::log1p(-onset.min(0.999)) / cell_m }
-    }
-
-    /// Probability that a surface goes on to a ray at the distance `apart_m` (m): 1 where rays touch, 0 from the reach on.
-    fn goes_on(&self, apart_m: f64) -> f64 {
-        let left = 1.0 - apart_m / self.reach_m;
-        // Without correlation the reach is 0, and rays that touch are 0 / 0 apart.
-        if left > 0.0 { left * left } else { 0.0 }
     }
 }
 
@@ -85,7 +78,9 @@ struct Nodes {
     range_m: Vec<f64>,
     /// Borders of what a node stands for, m.
     borders_m: Vec<f64>,
+    range: Vec<f32>,
     width: Vec<f32>,
+    per_width: Vec<f32>,
     /// Probability that a ray ends there in an unseen world; of the last, there or farther.
     unseen: Vec<f32>,
 }
@@ -101,7 +96,9 @@ impl Nodes {
         let passed: Vec<f64> = borders_m.iter().map(|border_m| libm::exp(-rate * border_m)).collect();
         let ends = |k: usize| passed[k] - if k + 1 < count { passed[k + 1] } else { 0.0 };
         Self {
+            range: range_m.iter().map(|range_m| *range_m as f32).collect(),
             width: borders_m.windows(2).map(|pair| (pair[1] - pair[0]) as f32).collect(),
+            per_width: borders_m.windows(2).map(|pair| (1.0 / (pair[1] - pair[0])) as f32).collect(),
             unseen: (0..count).map(|k| ends(k) as f32).collect(),
             range_m,
             borders_m,
@@ -120,23 +117,28 @@ impl Across {
         order.iter().enumerate().for_each(|(place, ray)| rank[*ray] = place);
         let rays: Vec<Ray> = order.iter().map(|ray| rays[*ray]).collect();
         let likelihood = likelihoods(sensor, &rays, &nodes);
-        let factors = vec![1.0; rays.len() * count];
-        let mut across = Self { rank, nodes, likelihood, factors, settled_m: vec![0.0; rays.len()] };
-        if rays.len() < 2 || surfaces.reach_m <= 0.0 {
-            return across;
+        let mut factors = vec![1.0; rays.len() * count];
+        if rays.len() > 1 && surfaces.reach_m > 0.0 {
+            let walk = Walk { nodes: &nodes, surfaces, rays: &rays, likelihood: &likelihood };
+            Arch::new().dispatch(Both { walk, factors: &mut factors });
         }
-        let walk = Walk { nodes: &across.nodes, surfaces, rays: &rays, likelihood: &across.likelihood };
-        Arch::new().dispatch(Both { walk, factors: &mut across.factors });
-        for (place, (factors, settled_m)) in across.factors.chunks_mut(count).zip(&mut across.settled_m).enumerate() {
+        let mut joint = likelihood;
+        let mut spread = vec![0.0; joint.len()];
+        let rows = factors.chunks_mut(count).zip(joint.chunks_mut(count)).zip(spread.chunks_mut(count));
+        for ((factors, joint), spread) in rows {
+            joint.iter_mut().zip(&*factors).for_each(|(own, factor)| *own *= *own * factor);
             // Evidence is then at most about one, whatever the others say.
-            let own = |node: usize| across.likelihood[place / LANES * count + node][place % LANES];
-            let peak = factors.iter().enumerate().fold(0.0f32, |peak, (k, factor)| peak.max(own(k) * own(k) * factor));
+            let peak = joint.iter().copied().fold(0.0, f32::max);
             let scale = if peak > f32::MIN_POSITIVE { 1.0 / peak } else { 1.0 };
-            factors.iter_mut().for_each(|factor| *factor *= scale);
-            let changes = factors.windows(2).rposition(|pair| pair[0].to_bits() != pair[1].to_bits());
-            *settled_m = changes.map_or(0.0, |node| across.nodes.range_m[node + 1]);
+            let (mut least, mut most) = (f32::INFINITY, 0.0f32);
+            for k in (0..count).rev() {
+                factors[k] *= scale;
+                joint[k] *= scale;
+                (least, most) = (least.min(joint[k]), most.max(joint[k]));
+                spread[k] = most - least;
+            }
         }
-        across
+        Self { rank, nodes, factors, joint, spread }
     }
 
     /// The factor of a ray at a range (m).
@@ -158,25 +160,24 @@ impl Across {
     pub(crate) fn beyond(&self, ray: usize, from_m: f64) -> f32 {
         let Nodes { borders_m, width, unseen, .. } = &self.nodes;
         let count = unseen.len();
-        let place = self.rank[ray];
-        let likelihood = |node: usize| {
-            let own = self.likelihood[place / LANES * count + node][place % LANES];
-            own * own * self.factors[place * count + node]
-        };
+        let joint = &self.joint[self.rank[ray] * count..][..count];
         let (node, part) = node_before(from_m);
         let first = (node as usize + usize::from(part > 0.5)).min(count - 1);
         let share = (((borders_m[first + 1] - from_m) as f32) / width[first]).clamp(0.0, 1.0);
-        let (mut sum, mut mass) = (share * unseen[first] * likelihood(first), share * unseen[first]);
+        let (mut sum, mut mass) = (share * unseen[first] * joint[first], share * unseen[first]);
         for node in first + 1..count {
-            sum += unseen[node] * likelihood(node);
+            sum += unseen[node] * joint[node];
             mass += unseen[node];
         }
-        if mass > f32::MIN_POSITIVE { sum / mass } else { likelihood(count - 1) }
+        if mass > f32::MIN_POSITIVE { sum / mass } else { joint[count - 1] }
     }
 
-    /// Range (m) from which on the factor of a ray is the same.
-    pub(crate) fn settled_from(&self, ray: usize) -> f64 {
-        self.settled_m[self.rank[ray]]
+    /// By how much the likelihoods of all readings differ between cells from a range (m) on.
+    pub(crate) fn spread_from(&self, ray: usize, from_m: f64) -> f64 {
+        let count = self.nodes.range_m.len();
+        let node = (node_before(from_m).0 as usize).min(count - 1);
+        // Cells are not nodes.
+        1.5 * f64::from(self.spread[self.rank[ray] * count + node])
     }
 
     /// Turns the likelihoods of a ray's own reading, for chords between the given ranges (m), into those of all.
@@ -209,18 +210,22 @@ fn farthest_m(spec: &GridSpec, rays: &[Ray]) -> f64 {
     libm::hypot(side(0), side(1))
 }
 
-/// The likelihood of every reading at every node, eight rays after the other.
-fn likelihoods(sensor: &dyn SensorModel, rays: &[Ray], nodes: &Nodes) -> Vec<Lanes<f32>> {
+/// The likelihood of every reading at every node, one ray after the other.
+fn likelihoods(sensor: &dyn SensorModel, rays: &[Ray], nodes: &Nodes) -> Vec<f32> {
     let count = nodes.range_m.len();
     let borders: Vec<Lanes<f64>> = nodes.borders_m.iter().map(|border_m| [*border_m; LANES]).collect();
-    let mut likelihood = vec![[1.0; LANES]; rays.len().div_ceil(LANES) * count];
-    for (rays, likelihood) in rays.chunks(LANES).zip(likelihood.chunks_mut(count)) {
+    let mut lanes = vec![[0.0; LANES]; count];
+    let mut likelihood = vec![0.0; rays.len() * count];
+    for (rays, rows) in rays.chunks(LANES).zip(likelihood.chunks_mut(LANES * count)) {
         let mut beams = Beams::default();
         for (lane, ray) in rays.iter().enumerate() {
             beams.reading[lane] = ray.reading.unwrap_or_default();
             beams.bearing_rad[lane] = ray.bearing_rad;
         }
-        sensor.likelihood_lanes(&beams, &borders, likelihood);
+        sensor.likelihood_lanes(&beams, &borders, &mut lanes);
+        for (lane, row) in rows.chunks_mut(count).enumerate() {
+            row.iter_mut().zip(&lanes).for_each(|(likelihood, lanes)| *likelihood = lanes[lane]);
+        }
     }
     likelihood
 }
@@ -230,7 +235,7 @@ struct Walk<'a> {
     nodes: &'a Nodes,
     surfaces: &'a Surfaces,
     rays: &'a [Ray],
-    likelihood: &'a [Lanes<f32>],
+    likelihood: &'a [f32],
 }
 
 /// Both directions at once, which do not need each other.
@@ -246,80 +251,111 @@ impl WithSimd for Both<'_> {
     fn with_simd<S: Simd>(self, _: S) {
         let Self { walk, factors } = self;
         let count = walk.nodes.range_m.len();
-        let mut messages = vec![[1.0f32; 2]; count];
-        let mut step = Step::new(count);
+        let mut sides = [Side::new(count), Side::new(count)];
         for k in 1..walk.rays.len() {
             let back = walk.rays.len() - 1 - k;
-            let [from, to] = [[k - 1, back + 1], [k, back]];
-            step.take(&walk, from, to, &mut messages);
-            for (side, ray) in to.iter().enumerate() {
-                let row = &mut factors[ray * count..][..count];
-                row.iter_mut().zip(&messages).for_each(|(factor, message)| *factor *= message[side]);
+            let steps = [[k - 1, k], [back + 1, back]];
+            for (side, step) in sides.iter_mut().zip(steps) {
+                side.begin(&walk, step);
+            }
+            sums(&mut sides, &walk.nodes.width);
+            for (side, [from, to]) in sides.iter_mut().zip(steps) {
+                side.end(&walk, [from, to]);
+                let row = &mut factors[to * count..][..count];
+                row.iter_mut().zip(&side.message).for_each(|(factor, message)| *factor *= message);
             }
         }
     }
 }
 
-/// From rays to their neighbours, on both sides. A buffer.
-struct Step {
-    /// What is known of where the rays end.
-    known: Vec<[f32; 2]>,
+/// What the rays on one side say of the next one. A buffer: all are values at nodes.
+struct Side {
+    message: Vec<f32>,
+    /// What is known of where the ray before it ends: the message and its own reading.
+    known: Vec<f32>,
     /// How much a node counts at the next.
-    decay: Vec<[f32; 2]>,
-    /// Sums over nodes of what is known and of what it weighs.
-    sums: Vec<[f32; 4]>,
+    decay: Vec<f32>,
+    /// Sums of what is known, and of what it weighs, over nodes up to each, and over those beyond it.
+    nearer: Vec<[f32; 2]>,
+    farther: Vec<[f32; 2]>,
 }
 
-impl Step {
+impl Side {
     fn new(count: usize) -> Self {
-        Self { known: vec![[0.0; 2]; count], decay: vec![[0.0; 2]; count], sums: vec![[0.0; 4]; count] }
+        let (zeros, pairs) = (vec![0.0; count], vec![[0.0; 2]; count]);
+        Self { message: vec![1.0; count], known: zeros.clone(), decay: zeros, nearer: pairs.clone(), farther: pairs }
     }
 
-    /// Turns what is said of rays `from` by those before them into what is said of rays `to`.
+    /// Everything that needs no sum.
     #[inline(always)]
-    fn take(&mut self, walk: &Walk, from: [usize; 2], to: [usize; 2], messages: &mut [[f32; 2]]) {
-        let Nodes { range_m, width, unseen, .. } = walk.nodes;
-        let count = messages.len();
-        let angle = [0, 1].map(|s| (walk.rays[to[s]].bearing_rad - walk.rays[from[s]].bearing_rad).abs());
-        let rows = from.map(|ray| (&walk.likelihood[ray / LANES * count..][..count], ray % LANES));
-        let mut mean = [0.0f32; 2];
+    fn begin(&mut self, walk: &Walk, [from, to]: [usize; 2]) {
+        let (nodes, count) = (walk.nodes, self.message.len());
+        let slope = (SLOPE * apart(walk.rays, [from, to])) as f32;
+        let blur_m = walk.surfaces.blur_m as f32;
+        let own = &walk.likelihood[from * count..][..count];
         for k in 0..count {
-            self.known[k] = [0, 1].map(|s| messages[k][s] * rows[s].0[k][rows[s].1]);
-            mean = [0, 1].map(|s| mean[s] + unseen[k] * self.known[k][s]);
-            let nodes = [0, 1].map(|s| ((SLOPE * range_m[k] * angle[s] + walk.surfaces.blur_m) as f32) / width[k]);
-            self.decay[k] = nodes.map(|nodes| nodes / (1.0 + nodes));
+            self.known[k] = self.message[k] * own[k];
+            let widths = (nodes.range[k] * slope + blur_m) * nodes.per_width[k];
+            self.decay[k] = widths / (1.0 + widths);
         }
-        let after = |sums: [f32; 4], [known, decay]: [[f32; 2]; 2], width: f32| {
-            [
-                width * known[0] + decay[0] * sums[0],
-                width * known[1] + decay[1] * sums[1],
-                width + decay[0] * sums[2],
-                width + decay[1] * sums[3],
-            ]
-        };
-        let mut sums = [0.0; 4];
+    }
+
+    /// The new message, from the sums.
+    #[inline(always)]
+    fn end(&mut self, walk: &Walk, rays: [usize; 2]) {
+        let (nodes, count) = (walk.nodes, self.message.len());
+        let anywhere = sum(&self.known, &nodes.unseen);
+        let per_metre = (apart(walk.rays, rays) / walk.surfaces.reach_m) as f32;
         for k in 0..count {
-            sums = after(sums, [self.known[k], self.decay[k]], width[k]);
-            self.sums[k] = sums;
+            let ([near, weight], [beyond, further]) = (self.nearer[k], self.farther[k]);
+            let near = (near + self.decay[k] * beyond) / (weight + self.decay[k] * further);
+            // The surface goes on: surely where rays touch, not at all from the reach on.
+            let left = 1.0 - nodes.range[k] * per_metre;
+            let left = if left > 0.0 { left } else { 0.0 };
+            self.message[k] = anywhere + left * left * (near - anywhere);
         }
-        sums = [0.0; 4];
-        let mut total = [0.0f32; 2];
-        for k in (0..count).rev() {
-            let decay = self.decay[k];
-            let here = self.sums[k];
-            let [a, b] = [here[0] + decay[0] * sums[0], here[1] + decay[1] * sums[1]];
-            let [c, d] = [here[2] + decay[0] * sums[2], here[3] + decay[1] * sums[3]];
-            let near = [a / c, b / d];
-            let goes_on = angle.map(|angle| walk.surfaces.goes_on(range_m[k] * angle) as f32);
-            messages[k] = [0, 1].map(|s| goes_on[s] * near[s] + (1.0 - goes_on[s]) * mean[s]);
-            total = [0, 1].map(|s| total[s] + unseen[k] * messages[k][s]);
-            sums = after(sums, [self.known[k], decay], width[k]);
+        // Of readings that are impossible wherever the ray ends, nothing is learnt.
+        let total = sum(&self.message, &nodes.unseen);
+        if total > f32::MIN_POSITIVE {
+            let scale = 1.0 / total;
+            self.message.iter_mut().for_each(|message| *message *= scale);
+        } else {
+            self.message.fill(1.0);
         }
-        // Of readings that are impossible wherever the rays end, nothing is learnt.
-        let scale = total.map(|total| if total > f32::MIN_POSITIVE { 1.0 / total } else { 0.0 });
-        for message in messages {
-            *message = [0, 1].map(|s| if scale[s] > 0.0 { message[s] * scale[s] } else { 1.0 });
-        }
+    }
+}
+
+/// Angle between two rays, rad.
+fn apart(rays: &[Ray], [from, to]: [usize; 2]) -> f64 {
+    (rays[to].bearing_rad - rays[from].bearing_rad).abs()
+}
+
+/// The sum of products, in an order that vectors can follow.
+#[inline(always)]
+fn sum(values: &[f32], weights: &[f32]) -> f32 {
+    let (values, rest) = values.as_chunks::<LANES>();
+    let (weights, last) = weights.as_chunks::<LANES>();
+    let lanes = values.iter().zip(weights).fold([0.0; LANES], |sum: Lanes<f32>, (v, w)| each(|l| sum[l] + v[l] * w[l]));
+    let rest = rest.iter().zip(last).map(|(v, w)| v * w);
+    lanes.into_iter().chain(rest).fold(0.0, |sum, value| sum + value)
+}
+
+/// The sums of both sides, nearer and farther: four chains that do not wait for each other.
+#[inline(always)]
+fn sums([a, b]: &mut [Side; 2], width: &[f32]) {
+    let count = width.len();
+    let mut sums = [[0.0f32; 2]; 4];
+    let after = |[sum, weight]: [f32; 2], known: f32, decay: f32, width: f32| {
+        [width * known + decay * sum, width + decay * weight]
+    };
+    for k in 0..count {
+        let end = count - 1 - k;
+        sums[0] = after(sums[0], a.known[k], a.decay[k], width[k]);
+        sums[1] = after(sums[1], b.known[k], b.decay[k], width[k]);
+        (a.nearer[k], b.nearer[k]) = (sums[0], sums[1]);
+        (a.farther[end], b.farther[end]) = (sums[2], sums[3]);
+        sums[2] = after(sums[2], a.known[end], a.decay[end], width[end]);
+        sums[3] = after(sums[3], b.known[end], b.decay[end], width[end]);
     }
 }
 
@@ -438,6 +474,8 @@ mod tests {
             .collect();
         let prior = Prior { correlation: 0.0, ..Prior::default() };
         let across = Across::new(&Stereo::default(), &rays, &spec, &Surfaces::new(&prior, 0.1, 0.05));
-        assert!(across.factors.iter().all(|factor| factor.to_bits() == across.factors[0].to_bits()));
+        for row in across.factors.chunks(across.nodes.range_m.len()) {
+            assert!(row.iter().all(|factor| factor.to_bits() == row[0].to_bits()));
+        }
     }
 }

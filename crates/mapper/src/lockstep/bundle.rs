@@ -268,24 +268,12 @@ impl Bundle {
         let Front { hit_occupied, hit_free, clear, .. } = self.front;
         let evidence = hit_occupied[l] + hit_free[l] + clear[l] * likelihood[l];
         let moved = (hit_occupied[l] - step.before[l] * evidence).abs();
-        let spread = || self.spread(l, likelihood[l], world, beams);
-        moved <= CUT * evidence && f64::from(clear[l]) * spread() <= f64::from(CUT * evidence)
-    }
-
-    /// At most so much do the likelihoods of cells that a ray has not crossed yet differ; that of the last one that it has is
-    /// given.
-    fn spread(&self, l: usize, last: f32, world: &World, beams: &Beams) -> f64 {
         let from_m = self.lines.entered[l];
-        let spread = world.sensor.spread_from(beams.reading[l], beams.bearing_rad[l], from_m);
-        let Some(across) = world.across else { return spread };
-        let ray = self.first + l;
-        if from_m < across.settled_from(ray) {
-            return f64::INFINITY;
-        }
-        // Of squares: |x^2 - y^2| <= (2 x + |x - y|) |x - y|.
-        let factor = f64::from(across.factor(ray, from_m));
-        let own = libm::sqrt(f64::from(last) / factor);
-        factor * (2.0 * own + spread) * spread
+        let spread = || match world.across {
+            Some(across) => across.spread_from(self.first + l, from_m),
+            None => world.sensor.spread_from(beams.reading[l], beams.bearing_rad[l], from_m),
+        };
+        moved <= CUT * evidence && f64::from(clear[l]) * spread() <= f64::from(CUT * evidence)
     }
 
     /// Makes room for a block, and the step after it.

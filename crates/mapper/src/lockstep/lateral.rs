@@ -71,11 +71,11 @@ impl WithSimd for Agree<'_> {
         let after = next;
         for sheet in tally.sheets() {
             let first = first_of(tally, sheet);
-            let around = SIDES.map(|side| Side::of(map, tally, moved, first, side));
-            let [right, above] = [0, 1].map(|axis| Side::of(map, tally, after, first, (axis, true)).moved);
+            let ahead = [SIDES[0], SIDES[1]].map(|side| Side::of(map, tally, moved, first, side));
+            let [right, above] = [SIDES[0], SIDES[1]].map(|side| Side::of(map, tally, after, first, side).moved);
             let (tile, from) = split(first);
             let moves = [&moved[sheet], &after[sheet]];
-            joints((map.make(tile), from), tally.sheet(sheet), &around, [&right, &above], lateral, moves);
+            joints((map.make(tile), from), tally.sheet(sheet), &ahead, [&right, &above], lateral, moves);
         }
         for sheet in tally.sheets() {
             let (tile, from) = split(first_of(tally, sheet));
@@ -110,21 +110,22 @@ fn said(occupied: &[f32; PATCH], sheet: &[Entry; PATCH]) -> Moved {
     moved
 }
 
-/// Opens sheets for patches with cells that are at most `hops`, fewer than a patch has along a side, from one of which
+/// Opens sheets for patches with cells that are at most `hops`, no more than a patch has along a side, from one of which
 /// something was said.
 pub(super) fn open(map: &Map, tally: &mut Tally, hops: usize) {
-    let near = |offset: isize, at: usize| match offset {
-        0 => true,
-        1 => at + hops >= SIDE,
-        _ => at < hops,
-    };
+    let row = |cells: u64, row: usize| cells >> (row * SIDE) & 0xff;
+    // Columns and rows from which the patch beside can be reached, by the direction to it.
+    let columns = [(1, 0xff << (SIDE - hops) & 0xff), (-1, 0xff >> (SIDE - hops)), (0, 0xff)];
+    let rows = [(1, SIDE - hops..SIDE), (-1, 0..hops), (0, 0..SIDE)];
     for sheet in tally.sheets() {
         let first = first_of(tally, sheet);
-        let spoken: Vec<usize> = (0..PATCH).filter(|place| tally.sheet(sheet)[*place].pairs() > 0).collect();
-        for (x, y) in [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)] {
-            if spoken.iter().any(|place| near(x, place % SIDE) && near(y, place / SIDE)) {
-                let beside = if x == 0 { Some(first) } else { next_to(map, first, 0, x > 0) };
-                let cell = beside.and_then(|cell| if y == 0 { Some(cell) } else { next_to(map, cell, 1, y > 0) });
+        let entries = tally.sheet(sheet);
+        let spoken = (0..PATCH).fold(0u64, |cells, place| cells | u64::from(entries[place].pairs() > 0) << place);
+        for (y, rows) in &rows {
+            let cells = rows.clone().fold(0, |cells, number| cells | row(spoken, number));
+            for (x, _) in columns.iter().filter(|(x, columns)| (*x, *y) != (0, 0) && cells & columns != 0) {
+                let beside = if *x == 0 { Some(first) } else { next_to(map, first, 0, *x > 0) };
+                let cell = beside.and_then(|cell| if *y == 0 { Some(cell) } else { next_to(map, cell, 1, *y > 0) });
                 cell.map(|cell| tally.entry(cell));
             }
         }
@@ -153,6 +154,7 @@ struct Side {
 }
 
 impl Side {
+    #[inline(always)]
     fn of(map: &Map, tally: &Tally, moved: &[Moved], first: u32, (axis, forward): (usize, bool)) -> Self {
         let Some(cell) = next_to(map, first, axis, forward) else {
             return Self { occupied: [0.5; SIDE], moved: [0.0; SIDE], both: [0.25; SIDE] };
@@ -242,13 +244,12 @@ fn within(p: f32) -> f32 {
 fn joints(
     (tile, from): (&mut Tile, usize),
     sheet: &[Entry; PATCH],
-    around: &[Side; 4],
+    [right, above]: &[Side; 2],
     after: [&Lanes<f32>; 2],
     lateral: &Lateral,
     [moved, moves]: [&Moved; 2],
 ) {
     let occupied = patch(&tile.occupied, from);
-    let [right, above, ..] = around;
     let share = (lateral.learnt / (2.0 * lateral.learnt + lateral.before)) as f32;
     let [to_right, to_above] = &mut tile.both;
     let both = [patch_mut(to_right, from), patch_mut(to_above, from)];
