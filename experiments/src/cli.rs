@@ -105,7 +105,7 @@ pub struct RoomOptions {
         long,
         value_name = "A,B",
         value_delimiter = ',',
-        default_value = "visibility,visibility-printed,conventional"
+        default_value = "visibility,visibility-lateral,visibility-printed,conventional"
     )]
     pub mappers: Vec<String>,
     /// What the mappers believe before the first reading

@@ -120,6 +120,7 @@ fn room_leaves_every_file_it_promises() {
         "timeline.png",
         "truth.npy",
         "visibility-end.npy",
+        "visibility-lateral-end.npy",
         "visibility-printed-end.npy",
     ];
     assert_eq!(names, expected);

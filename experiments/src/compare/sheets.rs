@@ -16,14 +16,17 @@ pub const ALL: &str = "all";
 /// The metrics of the table of means.
 const SHOWN: [&str; 7] = ["log_loss", "brier", "ece", "iou", "retention", "phantom_area", "missed_area"];
 
-/// Variants that take one idea away, and what is taken.
-const ABLATIONS: [(&str, &str); 6] = [
+/// Variants that take one idea away, or add one, and which.
+const ABLATIONS: [(&str, &str); 9] = [
     ("no-occlusion", "occlusion off: each cell's own likelihoods on the chain"),
     ("independent", "correlation off: occlusion without continuity"),
     ("conventional", "both off"),
     ("visibility-touched", "least squares over the edges that rays run along"),
     ("visibility-all-edges", "least squares over all edges"),
     ("visibility-printed", "Eqs. (4)-(17) as printed"),
+    ("visibility-lateral", "continuity across rays too"),
+    ("lateral-rays", "the same by rays of a scan alone"),
+    ("lateral-edges", "the same by edges on no ray alone"),
 ];
 
 /// The metrics of the table of ablations.
