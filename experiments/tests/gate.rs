@@ -340,7 +340,7 @@ fn mistakes_in_the_file_have_line_column_and_remedy() {
     refused(
         "better_than = \"prior\"",
         "better_than = \"visibility\"",
-        &["gates.toml:34:15: ", "must be one of visibility-reference"],
+        &["gates.toml:34:15: ", "must be one of visibility-lateral"],
     );
     refused("\"nook.toml\"", "\"nowhere\"", &["gates.toml:6:13: ", "scenes/nowhere.toml: cannot be read"]);
     refused("[\"nook.toml\"]", "[]", &["gates.toml:6:12: ", "a list of at least one family"]);

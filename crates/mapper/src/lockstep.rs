@@ -355,11 +355,13 @@ mod tests {
         (0..12).map(scan).collect()
     }
 
+    type Unseen = fn(&Setup) -> Lockstep;
+
     #[test]
     fn a_map_that_grows_is_the_map_that_was_all_there_to_the_bit() {
         let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: 1000, height: 1800 };
         let lateral = |setup: &Setup| Lockstep::lateral(setup, Lateral::default());
-        let kinds: [(fn(&Setup) -> Lockstep, Reconciliation); 5] = [
+        let kinds: [(Unseen, Reconciliation); 5] = [
             (Lockstep::visibility, Reconciliation::AllEdges),
             (Lockstep::visibility, Reconciliation::Touched),
             (Lockstep::independent, Reconciliation::AllEdges),

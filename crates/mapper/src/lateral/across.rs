@@ -126,7 +126,7 @@ impl Across {
         let mut spread = vec![0.0; joint.len()];
         let rows = factors.chunks_mut(count).zip(joint.chunks_mut(count)).zip(spread.chunks_mut(count));
         for ((factors, joint), spread) in rows {
-            joint.iter_mut().zip(&*factors).for_each(|(own, factor)| *own *= *own * factor);
+            joint.iter_mut().zip(&*factors).for_each(|(own, factor)| *own = *own * (*own * factor));
             // Evidence is then at most about one, whatever the others say.
             let peak = joint.iter().copied().fold(0.0, f32::max);
             let scale = if peak > f32::MIN_POSITIVE { 1.0 / peak } else { 1.0 };
@@ -183,7 +183,8 @@ impl Across {
     /// Turns the likelihoods of a ray's own reading, for chords between the given ranges (m), into those of all.
     pub(crate) fn join(&self, ray: usize, ranges: &[f64], likelihood: &mut [f64]) {
         for (likelihood, chord) in likelihood.iter_mut().zip(ranges.windows(2)) {
-            *likelihood *= *likelihood * f64::from(self.factor(ray, 0.5 * (chord[0] + chord[1])));
+            let factor = self.factor(ray, 0.5 * (chord[0] + chord[1]));
+            *likelihood = *likelihood * *likelihood * f64::from(factor);
         }
     }
 
@@ -293,8 +294,8 @@ impl Side {
         let slope = (SLOPE * apart(walk.rays, [from, to])) as f32;
         let blur_m = walk.surfaces.blur_m as f32;
         let own = &walk.likelihood[from * count..][..count];
-        for k in 0..count {
-            self.known[k] = self.message[k] * own[k];
+        for (k, own) in own.iter().enumerate() {
+            self.known[k] = self.message[k] * own;
             let widths = (nodes.range[k] * slope + blur_m) * nodes.per_width[k];
             self.decay[k] = widths / (1.0 + widths);
         }
