@@ -46,6 +46,15 @@ pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
     threads::limit(options.threads)?;
     let sensor = options.sensor(recording.scans()?.sensor())?;
     let survey = Survey::of(&recording, options.reach, &*sensor)?;
+    if survey.kept == 0 {
+        return Err(Failure::BadInput(format!(
+            "{}: none of its {} scans is in use: {} lie outside --window, {} outside --trajectory; give another one",
+            recording.place(),
+            survey.report.scans,
+            survey.report.outside_window,
+            survey.report.outside_trajectory
+        )));
+    }
     if survey.kept <= options.hold_out {
         return Err(Failure::BadInput(format!(
             "--hold-out {}: keeps every so-many-th scan back, and the log has {}; lower it, or give a longer log",

@@ -224,6 +224,7 @@ fn what_is_no_log_is_refused_before_anything_is_written() {
         (vec!["far.log"], "more than"),
         (vec!["room.log.gz", "--hold-out", "1"], "--hold-out"),
         (vec!["room.log.gz", "--window", "20,10"], "--window"),
+        (vec!["room.log.gz", "--window", "1e9,2e9"], "lie outside --window"),
         (vec!["room.log.gz", "--hit", "0.9", "--no-echo", "0.2"], "hit"),
         (vec!["room.log.gz", "--mappers", "visbility"], "the nearest is 'visibility'"),
         (vec!["room.log.gz", "--trajectory", "binary"], "binary:1: "),

@@ -12,6 +12,7 @@
 //! | posterior of every pair | (1)-(7) | [`exact::posterior`], [`printed::posterior`] |
 //! | agreement between rays | (18)-(20) | [`Moments`], [`PairwiseGrid::reconcile`] |
 //!
+//! [`Lateral`] adds continuity across rays, which is not in the paper.
 //! [`lockstep`] does the same for several rays at a time, which is what `visibility` runs; this is its reference.
 //! [`catalogue`] lists every mapper by name. To add your own, implement [`Mapper`]: the example
 //! `own_mapper` does it in twenty lines.

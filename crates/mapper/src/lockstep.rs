@@ -7,6 +7,7 @@
 //! | ... beyond the last cell | sum to infinity in (7) | `tail` | [`crate::beyond`] |
 //! | posterior of every pair | (1)-(7) | `bundle` | [`crate::exact`] |
 //! | agreement between rays | (18)-(20) | `tally`, `agree` | [`crate::PairwiseGrid::reconcile`] |
+//! | ... with continuity across rays | | `crate::lateral`, `lateral` | [`crate::PairwiseGrid::reconcile_laterally`] |
 //!
 //! The reference is [`crate::Visibility`]: the same in double precision, ray by ray. One scan on the same map differs
 //! from it by less than 1e-5 in any marginal or joint; `tests/lockstep.rs` holds it to that.
