@@ -100,7 +100,7 @@ pub(super) fn text(calibration: &Calibration) -> String {
             short(*value),
             format!("{} .. {}", short(interval.low), short(interval.high)),
             parameter.unit.to_owned(),
-            unidentified.map(|why| format!("not identified: {why}")).unwrap_or_default(),
+            unidentified.map(|_| "not identified".to_owned()).unwrap_or_default(),
         ]
     };
     text += &table::aligned(
@@ -112,7 +112,10 @@ pub(super) fn text(calibration: &Calibration) -> String {
         "{:.4} nats per reading at the best of {} settings: the mean of -ln of the {measure}.",
         fit.loss.mean, fit.tried
     );
-    for paragraph in [loss].iter().chain(notes).chain([&format!("To use it: {advice}")]) {
+    let why =
+        |found: &Found| found.unidentified.map(|why| format!("{} is not identified: {why}.", found.parameter.name));
+    let why: Vec<String> = fit.found.iter().filter_map(why).collect();
+    for paragraph in why.iter().chain([&loss]).chain(notes).chain([&format!("To use it: {advice}")]) {
         for line in wrapped(paragraph) {
             let _ = writeln!(text, "{line}");
         }
