@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use experiments::sweep::{engine, file, manifest};
+use experiments::commands::sweep::{engine, file, manifest};
 
 /// Cell size × correlation, as the shipped sweep has it, over fewer worlds.
 const SWEEP: &str = r#"

@@ -11,8 +11,8 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use experiments::sweep::manifest::Manifest;
-use experiments::sweep::shard;
+use experiments::commands::sweep::manifest::Manifest;
+use experiments::commands::sweep::shard;
 
 const SWEEP: &str = r#"
 mappers = ["visibility"]

@@ -5,16 +5,16 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use mapper::{CorrelationLaw, Prior, Reconciliation};
 
-use crate::calibrate::CalibrateOptions;
-use crate::compare::options::CompareOptions;
-use crate::convert::ConvertOptions;
-use crate::gate::GateOptions;
-use crate::ray::RayOptions;
-use crate::replay::ReplayOptions;
-use crate::sensor_model::SensorOptions;
-use crate::speed::SpeedOptions;
-use crate::sweep::SweepOptions;
-use crate::tune::TuneOptions;
+use crate::commands::calibrate::CalibrateOptions;
+use crate::commands::compare::options::CompareOptions;
+use crate::commands::convert::ConvertOptions;
+use crate::commands::gate::GateOptions;
+use crate::commands::ray::RayOptions;
+use crate::commands::replay::ReplayOptions;
+use crate::commands::sensor::SensorOptions;
+use crate::commands::speed::SpeedOptions;
+use crate::commands::sweep::SweepOptions;
+use crate::commands::tune::TuneOptions;
 
 /// Tells good maps from bad ones: simulates a robot with a stereo camera, maps what it sees by
 /// several rules, and scores the maps against the truth.

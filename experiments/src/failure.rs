@@ -8,7 +8,7 @@ use std::{fmt, io};
 
 use thiserror::Error;
 
-use crate::interruption;
+use crate::jobs::interruption;
 
 /// Why a command did not succeed.
 #[derive(Debug, Error)]

@@ -9,7 +9,7 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::Command;
 
-use experiments::gate::{self, GateOptions};
+use experiments::commands::gate::{self, GateOptions};
 use mapper::catalogue::{Entry, Kind};
 use quick_xml::Reader;
 use quick_xml::events::Event;

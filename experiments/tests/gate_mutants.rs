@@ -4,8 +4,8 @@ mod mutants;
 
 use std::path::Path;
 
-use experiments::gate::verdict::{Outcome, Verdict};
-use experiments::gate::{self, GateOptions};
+use experiments::commands::gate::verdict::{Outcome, Verdict};
+use experiments::commands::gate::{self, GateOptions};
 use mapper::catalogue::Entry;
 
 use mutants::MUTANTS;

@@ -10,7 +10,7 @@ use std::path::Path;
 use std::process::Output;
 
 use assert_cmd::Command;
-use experiments::trial::Ground;
+use experiments::worlds::run::Ground;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use grid::{GridSpec, Raster, npy};

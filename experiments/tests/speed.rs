@@ -10,8 +10,8 @@ use std::path::Path;
 use std::process::Output;
 
 use assert_cmd::Command;
-use experiments::speed::file;
-use experiments::speed::growth::{self, Against, Sizes};
+use experiments::commands::speed::file;
+use experiments::commands::speed::growth::{self, Against, Sizes};
 use mapper::catalogue::find;
 use serde_json::{Value, json};
 use tempfile::TempDir;

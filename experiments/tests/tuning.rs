@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 
 use assert_cmd::Command;
-use experiments::tune::candidates::{Candidate, Tuned};
+use experiments::commands::tune::candidates::{Candidate, Tuned};
 use tempfile::TempDir;
 
 use attic::FAMILY;

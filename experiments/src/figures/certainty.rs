@@ -4,8 +4,8 @@ use plotters::prelude::*;
 
 use super::chart::{self, Axis, Chart, Mark, Series};
 use super::ink::{FAINT, LINES};
+use crate::commands::ray::certainty::{IN_FRONT, Point};
 use crate::failure::Failure;
-use crate::ray::certainty::{IN_FRONT, Point};
 
 const SIZE: (u32, u32) = (1000, 640);
 

@@ -5,11 +5,11 @@ use plotters::prelude::*;
 
 use super::chart::{self, Axis, Chart, Mark, Series};
 use super::ink::{self, FAINT};
-use crate::compare::Findings;
-use crate::compare::judgement::Scope;
-use crate::compare::rows::{Repeat, Rows};
-use crate::compare::sheets::{repeat_counts, repeated_mean};
-use crate::compare::tables::{COVARIATES, pooled_errors, pooled_reliability};
+use crate::commands::compare::Findings;
+use crate::commands::compare::judgement::Scope;
+use crate::commands::compare::rows::{Repeat, Rows};
+use crate::commands::compare::sheets::{repeat_counts, repeated_mean};
+use crate::commands::compare::tables::{COVARIATES, pooled_errors, pooled_reliability};
 use crate::failure::Failure;
 
 /// Captions, by file name, in the order of the page.

@@ -5,9 +5,9 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::ink::{self, FAINT, INK};
 use super::{Area, png};
-use crate::compare::criteria::criterion;
-use crate::compare::rows::{Difference, Rows};
-use crate::compare::sheets::{ALL, OBSERVABLE, interval};
+use crate::commands::compare::criteria::criterion;
+use crate::commands::compare::rows::{Difference, Rows};
+use crate::commands::compare::sheets::{ALL, OBSERVABLE, interval};
 use crate::failure::Failure;
 
 const BETTER: RGBColor = RGBColor(0, 128, 96);

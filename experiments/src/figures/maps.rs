@@ -6,8 +6,8 @@ use super::ink::{self, INK};
 use super::panel::Panel;
 use super::{Area, png};
 use crate::failure::Failure;
-use crate::record::Stage;
-use crate::trial::{Ground, Run, Trial};
+use crate::output::record::Stage;
+use crate::worlds::run::{Ground, Run, Trial};
 
 /// What the picture shows.
 pub const CAPTION: &str = "Maps from the same readings (compare Figures 13 and 14): a row per mapper, a column per stage, the truth on \

@@ -4,8 +4,8 @@ use plotters::prelude::*;
 
 use super::chart::{self, Axis, Chart, Mark, Series};
 use super::ink::LINES;
+use crate::commands::ray::{Answer, Answers, ViewingRay};
 use crate::failure::Failure;
-use crate::ray::{Answer, Answers, ViewingRay};
 
 const SIZE: (u32, u32) = (760, 640);
 

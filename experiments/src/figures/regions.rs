@@ -3,8 +3,8 @@
 use super::maps::sheet;
 use super::panel::Panel;
 use crate::failure::Failure;
-use crate::record::Stage;
-use crate::trial::{Ground, Trial};
+use crate::output::record::Stage;
+use crate::worlds::run::{Ground, Trial};
 
 /// What the picture shows.
 pub const CAPTION: &str = "The first named region from close by, cell by cell: does free space seen from near survive doubtful \

@@ -7,7 +7,7 @@ use super::ink::{self, FAINT, INK, ROUTE};
 use super::panel::Panel;
 use super::png;
 use crate::failure::Failure;
-use crate::trial::Ground;
+use crate::worlds::run::Ground;
 
 /// What the picture shows.
 pub const CAPTION: &str = "The scene as the truth has it (compare Figure 11): obstacles black, the route of the robot blue with its \

@@ -6,8 +6,8 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use super::ink::{self, FAINT, INK, LINES};
 use super::{Area, png};
 use crate::failure::Failure;
-use crate::record::Stage;
-use crate::trial::{Moment, Trial};
+use crate::output::record::Stage;
+use crate::worlds::run::{Moment, Trial};
 
 /// What the picture shows.
 pub const CAPTION: &str = "Log loss over what could be seen so far (lower is better) and free-space retention (higher is better) after \

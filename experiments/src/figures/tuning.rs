@@ -4,9 +4,9 @@ use plotters::prelude::*;
 
 use super::chart::{self, Axis, Chart, Mark, Series};
 use super::ink::LINES;
+use crate::commands::tune::candidates::{Candidate, Tuned};
+use crate::commands::tune::fit::Fit;
 use crate::failure::Failure;
-use crate::tune::candidates::{Candidate, Tuned};
-use crate::tune::fit::Fit;
 
 const SIZE: (u32, u32) = (800, 560);
 

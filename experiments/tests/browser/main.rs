@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 
 use assert_cmd::Command;
 use driver::{Browser, DOWN, ESCAPE, LEFT, RIGHT, UP};
-use experiments::report::{self, Page, Viewer, World};
-use experiments::trial::{Ground, Keep};
+use experiments::page::{self, Page, Viewer, World};
+use experiments::worlds::run::{Ground, Keep};
 use mapper::catalogue;
 use serde_json::{Value, json};
 use tempfile::TempDir;
@@ -403,7 +403,7 @@ fn two_worlds(results: &Results, folder: &Path) -> PathBuf {
     let keep = Keep { timeline: false, frames: moments.clone() };
     let worlds = [1, 2].map(|seed| {
         let trial = ground.trial(seed, &entries, &setup, &keep, &|_, _| ()).expect("maps");
-        let stage = |s: &scene::Stage| experiments::record::Stage {
+        let stage = |s: &scene::Stage| experiments::output::record::Stage {
             name: s.name.clone(),
             label: s.name.clone(),
             scans: s.scans,

@@ -1,0 +1,18 @@
+//! One module per word of the command line, named as it is typed.
+
+pub mod calibrate;
+pub mod check;
+pub mod compare;
+pub mod convert;
+pub mod estimate;
+pub mod gate;
+pub mod list;
+pub mod ray;
+pub mod replay;
+pub mod report;
+pub mod room;
+pub mod scene;
+pub mod sensor;
+pub mod speed;
+pub mod sweep;
+pub mod tune;

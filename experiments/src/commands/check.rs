@@ -1,0 +1,83 @@
+//! `check SCENE`: is the scene valid, and what does it hold?
+
+use mapper::Prior;
+use score::{Sight, Sightings};
+use serde_json::{Value, json};
+
+use crate::cli::{CheckOptions, Format};
+use crate::failure::Failure;
+use crate::output::table::{self, Table, aligned, rounded};
+use crate::worlds::run::Ground;
+
+/// Loads the scene, drives its route, and prints what there is.
+///
+/// # Errors
+/// The first problem with the scene or its route.
+pub fn run(options: &CheckOptions) -> Result<(), Failure> {
+    let ground = Ground::new(scene::load(&options.scene, options.grid, options.layout)?, Prior::default().occupancy)?;
+    let mut table = Table::new(&["item", "value", "unit"]);
+    for (item, value, unit) in facts(&ground) {
+        table.push(vec![json!(item), value, json!(unit)]);
+    }
+    match options.format {
+        Format::Csv => table.print(false),
+        Format::Json => table.print(true),
+        Format::Text => {
+            let text = |value: &Value| match value.as_str() {
+                Some("1") => String::new(), // a number of things has no unit to show
+                Some(text) => text.to_owned(),
+                None => value.to_string(),
+            };
+            let rows: Vec<Vec<String>> = table.rows().iter().map(|row| row.iter().map(text).collect()).collect();
+            table::print(&format!(
+                "{}{}: valid\n\n{}",
+                options.scene.display(),
+                ground.scene.layout.map(|layout| format!(", layout {layout}")).unwrap_or_default(),
+                aligned(&["item", "value", "unit"], &rows)
+            ))
+        }
+    }
+}
+
+fn facts(ground: &Ground) -> Vec<(String, Value, &'static str)> {
+    let scene = &ground.scene;
+    let spec = &scene.grid;
+    let mut seen = Sightings::new(&ground.truth);
+    let (mut rays, mut hits) = (0usize, 0usize);
+    for timed in &ground.drive.poses {
+        for bearing in scene.camera.bearings_rad() {
+            let (origin_m, direction) = (timed.pose.position_m(), timed.pose.direction(bearing));
+            let range_m = ground.world.cast(origin_m, direction).map(|hit| hit.range_m);
+            rays += 1;
+            hits += usize::from(range_m.is_some());
+            seen.add(&Sight { origin_m, direction, range_m });
+        }
+    }
+    let truths = ground.truth.values();
+    let known = truths.iter().flatten().count();
+    let occupied = truths.iter().filter(|t| **t == Some(true)).count();
+    let area = |cells: usize| rounded(cells as f64 * spec.cell_area_m2());
+    let positions: Vec<[f64; 2]> = ground.drive.poses.iter().map(|p| p.pose.position_m()).collect();
+    let length: f64 = positions.windows(2).map(|p| (p[1][0] - p[0][0]).hypot(p[1][1] - p[0][1])).sum();
+    let count = |mask: grid::Raster<bool>| mask.values().iter().filter(|&&v| v).count();
+    let mut facts = vec![
+        ("cells".to_owned(), json!(spec.cells()), "1"),
+        ("cell size".to_owned(), rounded(spec.cell_m), "m"),
+        ("known area".to_owned(), area(known), "m²"),
+        ("occupied area".to_owned(), area(occupied), "m²"),
+        ("observable area".to_owned(), area(count(seen.mask(score::Region::Observable))), "m²"),
+        ("obstacles".to_owned(), json!(scene.obstacles.len()), "1"),
+        ("route".to_owned(), rounded(length), "m"),
+        ("scans".to_owned(), json!(ground.scans()), "1"),
+        ("rays".to_owned(), json!(rays), "1"),
+        ("rays that end on an obstacle".to_owned(), json!(hits), "1"),
+        ("... but in no occupied cell".to_owned(), json!(seen.hits_without_surface()), "1"),
+    ];
+    for (name, scans) in &ground.drive.stage_ends {
+        facts.push((format!("stage {name} ends after scan"), json!(scans), "1"));
+    }
+    for region in &scene.regions {
+        facts.push((format!("region {}", region.name), area(count(region.mask(spec))), "m²"));
+    }
+    facts
+}

@@ -1,0 +1,147 @@
+//! `compare`: which mapper is better, where, by how much and how surely.
+//!
+//! Every mapper maps the same readings of the same generated worlds ([`world`]); finished worlds are kept
+//! until all are done ([`journal`]); then the scores are paired and judged ([`judgement`]).
+
+pub mod claims;
+pub mod conditions;
+pub mod criteria;
+pub mod document;
+pub mod journal;
+pub mod judgement;
+pub mod options;
+pub mod outputs;
+pub mod plan;
+pub mod repeats;
+pub mod rows;
+pub mod sheets;
+pub mod showcase;
+pub mod tables;
+pub mod text;
+pub mod world;
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+use self::journal::Journal;
+use self::judgement::{Judgement, Scope};
+use self::options::{CompareOptions, Worlds};
+use self::plan::{Plan, REFERENCE};
+use self::repeats::Repeated;
+use self::world::{Job, World};
+use crate::cli::Format;
+use crate::failure::Failure;
+use crate::jobs::engine;
+use crate::jobs::interruption;
+use crate::jobs::progress::Count;
+use crate::jobs::threads;
+use crate::output::folder::Staging;
+use crate::output::table;
+use crate::worlds::claims::{self as claim, Claim};
+
+/// What a comparison has found.
+pub struct Findings {
+    /// The scores of every world, in the order of the jobs.
+    pub worlds: Vec<World>,
+    /// What is judged together.
+    pub scopes: Vec<Scope>,
+    /// Every mapper against the reference.
+    pub judgements: Vec<Judgement>,
+    /// The same scan, again and again.
+    pub repeated: Vec<Repeated>,
+    /// What was promised of the reference.
+    pub claims: Vec<Claim>,
+}
+
+/// Runs the comparison, or the rest of one that was interrupted.
+///
+/// # Errors
+/// Bad input before any work, I/O, and claims that do not hold.
+pub fn run(options: &CompareOptions) -> Result<(), Failure> {
+    let start = Instant::now();
+    interruption::watch();
+    let plan = Plan::new(options)?;
+    let out = options.out.clone().unwrap_or_else(|| default_folder(&plan, options.quick));
+    let mut staging = Staging::open(&out)?;
+    threads::limit(options.threads)?;
+    let record = outputs::record(&plan);
+    let worlds = map_worlds(&plan, &out, &configuration(&plan, &record)?)?;
+    let findings = judge(&plan, worlds)?;
+    let (viewer, _) = showcase::look(&plan)?;
+    let rows = outputs::rows(&plan, &findings)?;
+    outputs::write(&mut staging, &plan, &findings, &rows, record, viewer)?;
+    staging.publish()?;
+    Journal::clear(&out);
+
+    match options.format {
+        Format::Text => {
+            table::print(&text::summary(&plan, &rows, &findings.claims))?;
+            let place = out.join("report.html");
+            let _ = writeln!(std::io::stderr(), "{} in {:.0} s", place.display(), start.elapsed().as_secs_f64());
+        }
+        Format::Csv => tables::differences(&findings.judgements, REFERENCE).print(false)?,
+        Format::Json => tables::differences(&findings.judgements, REFERENCE).print(true)?,
+    }
+    claim::all_hold(&findings.claims)
+}
+
+fn default_folder(plan: &Plan, quick: bool) -> PathBuf {
+    let set = if plan.set == Worlds::Test { String::new() } else { format!("-{}", plan.set.name()) };
+    Path::new("results").join(format!("compare{set}{}", if quick { "-quick" } else { "" }))
+}
+
+/// All that decides the scores of a world. The record names the families' files; what they say may change
+/// between an interruption and its continuation.
+fn configuration(plan: &Plan, record: &outputs::Record) -> Result<String, Failure> {
+    let record = serde_json::to_string(record).map_err(Failure::internal)?;
+    Ok(format!("{record}\n{:?}", plan.families))
+}
+
+/// Maps and scores every world that is not yet finished.
+fn map_worlds(plan: &Plan, out: &Path, configuration: &str) -> Result<Vec<World>, Failure> {
+    let jobs = plan.jobs();
+    let journal = Journal::open(out, configuration)?;
+    let finished = Arc::new(AtomicUsize::new(0));
+    let (done, all, place) = (Arc::clone(&finished), jobs.len(), out.display().to_string());
+    interruption::keeps(move || {
+        let done = done.load(Ordering::SeqCst);
+        let kept =
+            format!("{done} of {all} worlds are finished and kept in {place}; run the same command again to go on");
+        (done > 0).then_some(kept)
+    });
+    let progress = Count::worlds(jobs.len());
+    let worlds = engine::each(&jobs, rayon::current_num_threads(), |job| {
+        let world = match journal.read(job) {
+            Some(world) => world,
+            None => {
+                let world = job.run(plan.family(job), &plan.belief, &plan.mappers)?;
+                journal.keep(&world)?;
+                world
+            }
+        };
+        finished.fetch_add(1, Ordering::SeqCst);
+        progress.step();
+        Ok(world)
+    });
+    progress.finish();
+    worlds
+}
+
+/// Repeats scans, and judges everything.
+fn judge(plan: &Plan, worlds: Vec<World>) -> Result<Findings, Failure> {
+    let firsts: Vec<Job> = plan.jobs().into_iter().take(plan.families.len()).collect();
+    let repeated = match plan.repeats.is_empty() {
+        true => Vec::new(),
+        false => engine::each(&firsts, rayon::current_num_threads(), |job| {
+            let family = plan.family(job);
+            repeats::repeat(job, family, &plan.belief, &plan.mappers, plan.repeated_scans, &plan.repeats)
+        })?,
+    };
+    let scopes = judgement::scopes(&worlds);
+    let judgements = judgement::judge(&worlds, &scopes, &plan.names(), REFERENCE)?;
+    let claims = claims::judge(plan, &judgements);
+    Ok(Findings { worlds, scopes, judgements, repeated: repeated.into_iter().flatten().collect(), claims })
+}

@@ -1,0 +1,143 @@
+//! A comparison as a document: the sections of the page, and the same in Markdown.
+
+use std::fmt::Write as _;
+
+use score::Region;
+use serde_json::Value;
+
+use super::plan::Plan;
+use super::rows::Rows;
+use super::sheets::{self, ALL, OBSERVABLE, Width};
+use crate::failure::Failure;
+use crate::figures::comparison::CAPTIONS;
+use crate::page::{Cell, Page, Part, Picture, Section, Sheet, Viewer};
+use crate::worlds::claims::{self, Claim};
+
+/// The sections, with those of the pictures that there are.
+pub fn sections(plan: &Plan, rows: &Rows, pictures: &[Picture]) -> Vec<Section> {
+    let (mappers, parts) = (plan.names(), plan.parts());
+    let picture = |name: &str| pictures.iter().find(|p| p.name == name).cloned().map(Part::Picture);
+    let mut better = vec![Part::Sheet(sheets::means(rows, &mappers, ALL, OBSERVABLE))];
+    better.extend(picture("differences.png"));
+    for metric in ["log_loss", "brier"] {
+        better.push(Part::Sheet(sheets::differences(rows, &mappers, ALL, OBSERVABLE, metric, Width::Page)));
+    }
+    let mut places = Vec::new();
+    if parts.len() > 1 {
+        places.extend(
+            ["log_loss", "brier"].map(|metric| Part::Sheet(sheets::parts(rows, &mappers, &parts, metric, Width::Page))),
+        );
+    }
+    places.extend(Region::ALL.iter().map(|region| region_fold(rows, &mappers, region.name())));
+    let mut trust = Vec::new();
+    trust.extend(["reliability.png", "profiles.png"].into_iter().filter_map(picture));
+    let mut sections = vec![
+        section("Which mapper is better", BETTER, better),
+        section("Where, and under which conditions", PLACES, places),
+        section("How far a map can be taken at its word", TRUST, trust),
+        section("What each idea is worth", ABLATIONS, vec![Part::Sheet(sheets::ablations(rows, &mappers))]),
+    ];
+    if !rows.repeats.is_empty() {
+        let mut again: Vec<Part> = picture("repeats.png").into_iter().collect();
+        again.push(Part::Sheet(sheets::repeats(rows, &mappers, "Log loss, nats/cell,", 3, |r| r.log_loss)));
+        again.push(Part::Sheet(sheets::repeats(rows, &mappers, "Share of free space held free", 3, |r| r.free_known)));
+        again.push(Part::Sheet(sheets::repeats(rows, &mappers, "Phantom area, m²,", 2, |r| r.phantom_area)));
+        sections.push(section("The same scan again and again", AGAIN, again));
+    }
+    sections
+}
+
+const BETTER: &str = "Every mapper has the same readings, and every world is a pair. Differences are mapper minus visibility: \
+    above zero means more loss than visibility. Intervals are 95 % bootstrap intervals (BCa, 10,000 resamples), p is of Wilcoxon's \
+    signed-rank test with Holm's correction over all mappers and metrics of one scope and region, d_z is the mean over the standard \
+    deviation of the differences. A mapper is equivalent where the interval lies inside the margin, which was set beforehand; \
+    better or worse where the interval excludes zero and the adjusted p is at most 0.05; else undecided, which is not the same as no difference.";
+const PLACES: &str =
+    "Regions follow from noise-free rays, never from a map. differences.csv has every metric in every region.";
+const TRUST: &str = "Cells of all worlds together.";
+const ABLATIONS: &str =
+    "Differences from visibility with their intervals; retention is better when higher, the others when lower.";
+const AGAIN: &str = "One scan, alone in a map, again and again: the noise is the same every time, so that nothing new is learned after the \
+    first. Every rule here counts it as new all the same.";
+
+fn section(heading: &str, lead: &str, parts: Vec<Part>) -> Section {
+    Section { heading: heading.to_owned(), lead: lead.to_owned(), parts }
+}
+
+fn region_fold(rows: &Rows, mappers: &[&str], region: &str) -> Part {
+    let differences = |metric| sheets::differences(rows, mappers, ALL, region, metric, Width::Page);
+    Part::Fold {
+        summary: format!("{region}: {}", sheets::region_in_words(region)),
+        open: false,
+        parts: vec![sheets::means(rows, mappers, ALL, region), differences("log_loss"), differences("brier")],
+    }
+}
+
+/// The page. `record` is `run.json`.
+///
+/// # Errors
+/// A record that is no JSON object.
+pub fn page(plan: &Plan, rows: &Rows, record: &Value, pictures: &[Picture], viewer: Viewer) -> Result<Page, Failure> {
+    Ok(Page {
+        title: format!("Mappers compared, {} set", plan.set.name()),
+        lead: plan.set.about().to_owned(),
+        facts: facts(plan),
+        claims: claims::of_record(record),
+        viewer: Some(viewer),
+        sections: sections(plan, rows, pictures),
+        configuration: serde_json::to_string_pretty(&record["configuration"]).map_err(Failure::internal)?,
+        files: record["files"].as_array().into_iter().flatten().filter_map(Value::as_str).map(str::to_owned).collect(),
+    })
+}
+
+fn facts(plan: &Plan) -> String {
+    [Some(plan.heading()), plan.batch_note()].into_iter().flatten().collect::<Vec<_>>().join(". ")
+}
+
+/// The same as Markdown: claims, tables, and the pictures by name.
+pub fn markdown(plan: &Plan, claims: &[Claim], sections: &[Section]) -> String {
+    let mut text = format!("# Mappers compared, {} set\n\n{}\n\n{}\n", plan.set.name(), plan.set.about(), facts(plan));
+    if !claims.is_empty() {
+        text += "\n| claim | measured | |\n|---|---|---|\n";
+    }
+    for Claim { claim, measured, holds } in claims {
+        let _ = writeln!(text, "| {claim} | {measured} | {} |", if *holds { "holds" } else { "**fails**" });
+    }
+    for Section { heading, lead, parts } in sections {
+        let _ = write!(text, "\n## {heading}\n\n{lead}\n");
+        for part in parts {
+            match part {
+                Part::Sheet(sheet) => text += &table(sheet),
+                Part::Picture(Picture { name, caption, .. }) => {
+                    let _ = write!(text, "\n![{caption}]({name})\n");
+                }
+                Part::Fold { summary, parts, .. } => {
+                    let _ = write!(text, "\n### {summary}\n");
+                    parts.iter().for_each(|sheet| text += &table(sheet));
+                }
+            }
+        }
+    }
+    text
+}
+
+fn table(Sheet { caption, note, heads, rows }: &Sheet) -> String {
+    let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | ").replace('\n', " "));
+    let mut text = format!("\n{caption}{}\n\n", if note.is_empty() { String::new() } else { format!(" ({note})") });
+    text += &line(heads.clone());
+    text += &line((0..heads.len()).map(|column| if column == 0 { "---" } else { "---:" }.to_owned()).collect());
+    rows.iter().for_each(|row| text += &line(row.iter().map(|Cell { text, .. }| text.clone()).collect()));
+    text
+}
+
+/// Those of the known pictures that `read` has.
+///
+/// # Errors
+/// Whatever `read` reports.
+pub fn pictures(mut read: impl FnMut(&str) -> Result<Option<Vec<u8>>, Failure>) -> Result<Vec<Picture>, Failure> {
+    let mut found = Vec::new();
+    for (name, caption) in CAPTIONS {
+        found.extend(read(name)?.map(|bytes| Picture { name: name.to_owned(), caption: caption.to_owned(), bytes }));
+    }
+    Ok(found)
+}

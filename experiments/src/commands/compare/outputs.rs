@@ -1,0 +1,124 @@
+//! The files that `compare` leaves behind.
+
+use std::collections::BTreeMap;
+use std::io::{self, Write as _};
+
+use mapper::{Prior, Reconciliation};
+use serde::Serialize;
+
+use super::plan::{Plan, REFERENCE};
+use super::rows::{self, Rows};
+use super::{Findings, document, tables};
+use crate::failure::Failure;
+use crate::figures;
+use crate::output::folder::{RECORD, Staging};
+use crate::output::record::versions;
+use crate::output::table::Table;
+use crate::page::{self, Viewer};
+use crate::worlds::claims::Claim;
+
+/// What a comparison was made from: `run.json`.
+#[derive(Debug, Serialize)]
+pub struct Record {
+    schema_version: u32,
+    command: &'static str,
+    configuration: Configuration,
+    claims: Vec<Claim>,
+    versions: BTreeMap<String, String>,
+    files: Vec<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct Configuration {
+    set: &'static str,
+    families: Vec<String>,
+    conditions: Vec<&'static str>,
+    seeds: u64,
+    batch_seeds: u64,
+    mappers: Vec<&'static str>,
+    reference: &'static str,
+    prior: Prior,
+    reconciliation: Reconciliation,
+    repeats: Vec<usize>,
+    repeated_scans: usize,
+}
+
+/// The record of a plan, before anything is known of its outcome.
+pub fn record(plan: &Plan) -> Record {
+    Record {
+        schema_version: 1,
+        command: "compare",
+        configuration: Configuration {
+            set: plan.set.name(),
+            families: plan.paths.iter().map(|path| path.display().to_string()).collect(),
+            conditions: plan.conditions.clone(),
+            seeds: plan.seeds,
+            batch_seeds: plan.batch_seeds,
+            mappers: plan.names(),
+            reference: REFERENCE,
+            prior: plan.belief.prior,
+            reconciliation: plan.belief.reconciliation,
+            repeats: plan.repeats.clone(),
+            repeated_scans: plan.repeated_scans,
+        },
+        claims: Vec::new(),
+        versions: versions(),
+        files: Vec::new(),
+    }
+}
+
+/// The tables as their files hold them.
+///
+/// # Errors
+/// A defect of ours.
+pub fn rows(plan: &Plan, findings: &Findings) -> Result<Rows, Failure> {
+    Ok(Rows {
+        means: rows::of(&tables::summary(&findings.worlds, &findings.scopes, &plan.names()))?,
+        differences: rows::of(&tables::differences(&findings.judgements, REFERENCE))?,
+        repeats: rows::of(&tables::repeats(&findings.repeated))?,
+    })
+}
+
+/// Writes everything.
+///
+/// # Errors
+/// Whatever the system reports; a drawing that fails.
+pub fn write(
+    staging: &mut Staging,
+    plan: &Plan,
+    findings: &Findings,
+    rows: &Rows,
+    mut record: Record,
+    viewer: Viewer,
+) -> Result<(), Failure> {
+    let Findings { worlds, scopes, judgements, repeated, claims } = findings;
+    let names = plan.names();
+    let mut csv = |name: &str, table: Table| staging.write(name, |out| table.write_csv(out).map_err(io::Error::other));
+    csv("scores.csv", tables::scores(worlds))?;
+    csv("summary.csv", tables::summary(worlds, scopes, &names))?;
+    csv("differences.csv", tables::differences(judgements, REFERENCE))?;
+    csv("reliability.csv", tables::reliability(worlds, scopes, &names))?;
+    csv("profiles.csv", tables::profiles(worlds, scopes, &names))?;
+    if !repeated.is_empty() {
+        csv("repeats.csv", tables::repeats(repeated))?;
+    }
+    let pictures = document::pictures(|name| {
+        let bytes = match name {
+            "differences.png" => figures::forest::draw(rows, &names, &["log_loss", "brier"])?,
+            "reliability.png" => figures::comparison::reliability(findings, &scopes[0], &names)?,
+            "profiles.png" => figures::comparison::profiles(findings, &scopes[0], &names)?,
+            "repeats.png" if !repeated.is_empty() => figures::comparison::repeats(rows, &names)?,
+            _ => return Ok(None),
+        };
+        staging.write(name, |out| out.write_all(&bytes))?;
+        Ok(Some(bytes))
+    })?;
+    let markdown = document::markdown(plan, claims, &document::sections(plan, rows, &pictures));
+    staging.write("summary.md", |out| out.write_all(markdown.as_bytes()))?;
+    record.claims.clone_from(claims);
+    record.files = staging.files_and(&["report.html", RECORD]);
+    let json = serde_json::to_value(&record).map_err(Failure::internal)?;
+    let html = page::page(&document::page(plan, rows, &json, &pictures, viewer)?)?;
+    staging.write("report.html", |out| out.write_all(html.as_bytes()))?;
+    staging.record(&record)
+}

@@ -1,0 +1,193 @@
+//! What a comparison consists of, worked out before any world is made.
+
+use std::path::PathBuf;
+
+use mapper::Reconciliation;
+use mapper::catalogue::{Entry, Kind, MAPPERS};
+use scene::{Family, Set};
+
+use super::conditions::{AS_BELIEVED, Condition, DEPARTURES};
+use super::options::{CompareOptions, Worlds};
+use super::world::{Belief, Job};
+use crate::failure::Failure;
+use crate::worlds::mappers::entries;
+
+/// The mapper that all are compared with.
+pub const REFERENCE: &str = "visibility";
+
+/// A comparison in full.
+#[derive(Clone)]
+pub struct Plan {
+    /// Which worlds.
+    pub set: Worlds,
+    /// The families, of different names ...
+    pub families: Vec<Family>,
+    /// ... and their files.
+    pub paths: Vec<PathBuf>,
+    /// Names of the conditions.
+    pub conditions: Vec<&'static str>,
+    /// Worlds of each family under each condition ...
+    pub seeds: u64,
+    /// ... and those of them that batch mappers run on.
+    pub batch_seeds: u64,
+    /// The mappers, the reference among them.
+    pub mappers: Vec<&'static Entry>,
+    /// What they believe.
+    pub belief: Belief,
+    /// How often a scan is repeated, rising; nothing is where nothing is to be repeated.
+    pub repeats: Vec<usize>,
+    /// Scans of each repeated world.
+    pub repeated_scans: usize,
+}
+
+impl Plan {
+    /// Settles every option.
+    ///
+    /// # Errors
+    /// A mapper that does not exist, or no reference among them; a family that cannot be read, or two of a
+    /// name; too many seeds.
+    pub fn new(options: &CompareOptions) -> Result<Self, Failure> {
+        let mappers = match options.mappers.is_empty() {
+            true => MAPPERS.iter().filter(|entry| !maps_the_same(entry, options)).collect(),
+            false => entries(&options.mappers)?,
+        };
+        if !mappers.iter().any(|entry| entry.name == REFERENCE) {
+            let message = format!("--mappers: all are compared with {REFERENCE}, which is not among them; add it");
+            return Err(Failure::BadInput(message));
+        }
+        if mappers.len() == 1 {
+            let message = format!("--mappers: nothing is compared with {REFERENCE}; add another mapper (see `list`)");
+            return Err(Failure::BadInput(message));
+        }
+        let set = options.set;
+        let conditions: &[Condition] = if set == Worlds::Robustness { &DEPARTURES } else { &[AS_BELIEVED] };
+        let seeds = u64::from(options.seeds.unwrap_or(match (options.quick, set) {
+            (true, Worlds::Robustness) => 1,
+            (true, _) => 4,
+            (false, Worlds::Test) => 30,
+            (false, Worlds::Robustness) => 8,
+            (false, Worlds::Tuning) => 10,
+        }));
+        let third = if options.quick { 1 } else { seeds.div_ceil(3) };
+        let batch_seeds = options.batch_seeds.map_or(third, u64::from).min(seeds);
+        let (repeats, repeated_scans) = match (set, options.quick) {
+            (Worlds::Robustness, _) => (vec![], 0),
+            (_, true) => (vec![1, 10, 100], 1),
+            (_, false) => (vec![1, 10, 100, 1000], 2),
+        };
+        Ok(Self {
+            set,
+            families: families(&options.families)?,
+            paths: options.families.clone(),
+            conditions: conditions.iter().map(|condition| condition.name).collect(),
+            seeds,
+            batch_seeds,
+            mappers,
+            belief: Belief { prior: options.belief.prior(), reconciliation: options.belief.reconciliation() },
+            repeats,
+            repeated_scans,
+        })
+    }
+
+    /// The worlds, a seed of every family and condition after the other.
+    pub fn jobs(&self) -> Vec<Job> {
+        let set = match self.set {
+            Worlds::Test => Set::Test,
+            Worlds::Robustness => Set::Robustness,
+            Worlds::Tuning => Set::Tuning,
+        };
+        let mut jobs = Vec::new();
+        for (number, seed) in set.seeds(self.seeds).enumerate() {
+            for family in &self.families {
+                jobs.extend(self.conditions.iter().map(|condition| Job {
+                    family: family.name.clone(),
+                    condition: (*condition).to_owned(),
+                    seed,
+                    batch: (number as u64) < self.batch_seeds,
+                }));
+            }
+        }
+        jobs
+    }
+
+    /// The family of a job of this plan.
+    ///
+    /// # Panics
+    /// If the job is not of this plan.
+    pub fn family(&self, job: &Job) -> &Family {
+        let family = self.families.iter().find(|family| family.name == job.family);
+        family.unwrap_or_else(|| panic!("no family is called {}", job.family))
+    }
+
+    /// Names of the mappers.
+    pub fn names(&self) -> Vec<&'static str> {
+        self.mappers.iter().map(|entry| entry.name).collect()
+    }
+
+    /// The scopes to show part by part: conditions where there are several, else families.
+    pub fn parts(&self) -> Vec<&str> {
+        match self.conditions.len() {
+            1 => self.families.iter().map(|family| family.name.as_str()).collect(),
+            _ => self.conditions.clone(),
+        }
+    }
+
+    /// One line on what is compared.
+    pub fn heading(&self) -> String {
+        let conditions = match self.conditions.len() {
+            1 => String::new(),
+            n => format!(" x {n} conditions"),
+        };
+        let (families, worlds) = (self.families.len(), self.jobs().len());
+        let counted = |count: u64, one: &str, many: &str| format!("{count} {}", if count == 1 { one } else { many });
+        format!(
+            "{} set, {}{conditions} x {} = {}, {} mappers",
+            self.set.name(),
+            counted(families as u64, "family", "families"),
+            counted(self.seeds, "seed", "seeds"),
+            counted(worlds as u64, "world", "worlds"),
+            self.mappers.len()
+        )
+    }
+
+    /// What to know of the batch mappers, if any run on fewer worlds than the others.
+    pub fn batch_note(&self) -> Option<String> {
+        let fewer = self.batch_seeds < self.seeds && self.has_batch();
+        let worlds = self.jobs().iter().filter(|job| job.batch).count();
+        let note = format!("Batch mappers ran on {worlds} of them: compare their differences, not their means");
+        fewer.then_some(note)
+    }
+
+    /// Whether any of the mappers takes all scans at once.
+    pub fn has_batch(&self) -> bool {
+        self.mappers.iter().any(|entry| entry.kind == Kind::Batch)
+    }
+}
+
+/// Whether a mapper makes the map of `visibility` anyway: its own reference, and the variant that the options make it.
+fn maps_the_same(entry: &Entry, options: &CompareOptions) -> bool {
+    let variant = match options.belief.reconciliation() {
+        Reconciliation::AllEdges => "visibility-all-edges",
+        Reconciliation::Touched => "visibility-touched",
+    };
+    ["visibility-reference", variant].contains(&entry.name)
+}
+
+/// The families of the given files.
+///
+/// # Errors
+/// A family that cannot be read, or two of a name.
+pub fn families(paths: &[PathBuf]) -> Result<Vec<Family>, Failure> {
+    let mut families: Vec<Family> = Vec::new();
+    for path in paths {
+        let family = Family::load(path)?;
+        if families.iter().any(|other| other.name == family.name) {
+            let name = &family.name;
+            let message =
+                format!("--families: {}: a family named {name:?} is among them; name each once", path.display());
+            return Err(Failure::BadInput(message));
+        }
+        families.push(family);
+    }
+    Ok(families)
+}

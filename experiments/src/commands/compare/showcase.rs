@@ -1,0 +1,48 @@
+//! A world of every family to look into: its maps as they grew.
+
+use super::plan::Plan;
+use super::world::{Job, World};
+use crate::failure::Failure;
+use crate::jobs::engine;
+use crate::output::record::Stage;
+use crate::page::{self, Viewer};
+use crate::worlds::run::Keep;
+
+/// The first world of every family under every condition that is shown: of several conditions the first
+/// family's, since a page has room for a few worlds.
+pub fn jobs(plan: &Plan) -> Vec<Job> {
+    let jobs = plan.jobs().into_iter().take(plan.families.len() * plan.conditions.len());
+    match plan.conditions.len() {
+        1 => jobs.collect(),
+        _ => {
+            jobs.filter(|job| job.family == plan.families[0].name && SHOWN.contains(&job.condition.as_str())).collect()
+        }
+    }
+}
+
+/// The conditions to look into: the two that differ most from each other, and the one nearest to a real camera.
+const SHOWN: [&str; 3] = ["match-0.6", "sigma-2", "clusters"];
+
+/// Maps these worlds again, keeping their maps on the way; gives their scores too, in the same order.
+///
+/// # Errors
+/// As [`Job::ground`]; a mapper that gives something else than probabilities.
+pub fn look(plan: &Plan) -> Result<(Viewer, Vec<World>), Failure> {
+    let shown = engine::each(&jobs(plan), rayon::current_num_threads(), |job| {
+        let (ground, setup) = job.ground(plan.family(job), &plan.belief)?;
+        let frames = page::moments(&ground, page::FRAMES);
+        let keep = Keep { timeline: false, frames: frames.clone() };
+        let trial = ground.trial(job.seed, &job.mappers(&plan.mappers), &setup, &keep, &|_, _| {})?;
+        let plans = ground.scene.stages.iter().zip(&trial.simulation.stages);
+        let stages: Vec<Stage> = plans
+            .map(|(plan, done)| Stage { name: plan.name.clone(), label: plan.label.clone(), scans: done.scans })
+            .collect();
+        let mut world = page::World::new(&ground, &trial, &stages, &frames);
+        if plan.conditions.len() > 1 {
+            world.name = format!("{} {}", world.name, job.condition);
+        }
+        Ok((world, job.score(&ground, &trial)?))
+    })?;
+    let (worlds, scores) = shown.into_iter().unzip();
+    Ok((Viewer { worlds }, scores))
+}

@@ -1,0 +1,136 @@
+//! Writing maps: all files of one, or none.
+
+use std::fs::{self, File};
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+
+use grid::npy;
+use grid::ros_map::{self, Coding, Mode, Shades};
+
+use super::{ConvertOptions, Map, extension, graded};
+use crate::failure::Failure;
+use crate::output::folder::Temporary;
+
+/// What is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// YAML and image.
+    Map,
+    /// An array.
+    Npy,
+    /// An image alone.
+    Png,
+}
+
+impl Kind {
+    pub(super) fn of(path: &Path) -> Result<Self, Failure> {
+        match extension(path).as_str() {
+            "yaml" | "yml" | "pgm" => Ok(Self::Map),
+            "npy" => Ok(Self::Npy),
+            "png" => Ok(Self::Png),
+            _ => Err(Failure::BadInput(format!(
+                "{}: must end in .yaml, .pgm, .npy or .png, which says what is written; choose one",
+                path.display()
+            ))),
+        }
+    }
+}
+
+/// A file with all that goes into it.
+pub(super) struct Whole {
+    pub(super) path: PathBuf,
+    bytes: Vec<u8>,
+}
+
+/// The files of a map, an image before the YAML file that names it.
+pub(super) fn files(map: &Map, kind: Kind, options: &ConvertOptions, coding: &Coding) -> Result<Vec<Whole>, Failure> {
+    let out = options.output.as_path();
+    let mut bytes = Vec::new();
+    match kind {
+        Kind::Npy => npy::write_occupancy(&map.occupancy, &mut bytes).map_err(Failure::internal)?,
+        Kind::Png => shades(map, coding, out)?.png(&mut bytes).map_err(Failure::internal)?,
+        Kind::Map => {
+            let mut files = pair(map, coding, out)?;
+            // States alone would lose the shares.
+            if options.mode.is_none() && graded(map) > 0 {
+                let stem = out.file_stem().unwrap_or_default().to_string_lossy();
+                let raw = out.with_file_name(format!("{stem}-raw.yaml"));
+                files.extend(pair(map, &Coding { mode: Mode::Raw, ..*coding }, &raw)?);
+            }
+            return Ok(files);
+        }
+    }
+    Ok(vec![Whole { path: out.to_owned(), bytes }])
+}
+
+/// Image and YAML file.
+fn pair(map: &Map, coding: &Coding, out: &Path) -> Result<Vec<Whole>, Failure> {
+    let Some((spec, yaw_rad)) = map.place else {
+        return Err(Failure::BadInput(format!(
+            "{}: has no resolution and origin, which the YAML file must say; give --resolution M and --origin X,Y,YAW",
+            map.sources[0].display()
+        )));
+    };
+    // Only a PNG can be transparent.
+    let form = if coding.mode == Mode::Scale { "png" } else { "pgm" };
+    let image = out.with_extension(form);
+    let yaml = if extension(out) == "pgm" { out.with_extension("yaml") } else { out.to_owned() };
+    let Some(name) = image.file_name().and_then(|name| name.to_str()) else {
+        return Err(Failure::BadInput(format!(
+            "{}: must be UTF-8 to stand in a YAML file; choose another name",
+            out.display()
+        )));
+    };
+    let text = ros_map::describe(&spec, yaw_rad, coding, name);
+    let shades = shades(map, coding, out)?;
+    let mut bytes = Vec::new();
+    if form == "png" { shades.png(&mut bytes) } else { shades.pgm(&mut bytes) }.map_err(Failure::internal)?;
+    Ok(vec![Whole { path: image, bytes }, Whole { path: yaml, bytes: text.into_bytes() }])
+}
+
+fn shades(map: &Map, coding: &Coding, out: &Path) -> Result<Shades, Failure> {
+    Shades::of(&map.occupancy, coding).map_err(|error| Failure::BadInput(format!("{}: {error}", out.display())))
+}
+
+/// Gives all files their names, none of which may be a source.
+///
+/// A former YAML file goes before its image is replaced: whatever happens, no YAML file stands beside an image of another map.
+pub(super) fn publish(files: &[Whole], sources: &[PathBuf]) -> Result<(), Failure> {
+    for Whole { path, .. } in files {
+        let place = fs::canonicalize(path).ok();
+        if place.is_some() && sources.iter().any(|source| fs::canonicalize(source).ok() == place) {
+            return Err(Failure::BadInput(format!(
+                "{}: is read from; choose another name to write to",
+                path.display()
+            )));
+        }
+        if path.is_dir() {
+            return Err(Failure::BadInput(format!("{}: is a folder where a file is to go; remove it", path.display())));
+        }
+    }
+    let refused = |path: &Path, error: &io::Error| {
+        Failure::BadInput(format!("{}: cannot be written: {error}; choose another place for OUT", path.display()))
+    };
+    let mut ready = Vec::new();
+    for Whole { path, bytes } in files {
+        let temporary = Temporary::beside(path);
+        let written = File::create(temporary.path()).and_then(|mut file| {
+            file.write_all(bytes)?;
+            file.sync_all()
+        });
+        written.map_err(|error| refused(path, &error))?;
+        ready.push((temporary, path));
+    }
+    for (_, path) in
+        ready.iter().filter(|(_, path)| files.len() > 1 && extension(path) != "pgm" && extension(path) != "png")
+    {
+        match fs::remove_file(path) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(refused(path, &error)),
+            _ => {}
+        }
+    }
+    for (temporary, path) in ready {
+        temporary.publish(path).map_err(|error| refused(path, &error))?;
+    }
+    Ok(())
+}

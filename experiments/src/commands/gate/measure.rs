@@ -1,0 +1,138 @@
+//! Mapping and scoring what the gates ask for.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use mapper::catalogue::{Entry, Setup};
+
+use super::file::{Demand, Gate, Gates};
+use super::world::World;
+use crate::failure::{Failure, panic_text};
+use crate::jobs::engine;
+use crate::jobs::progress::Count;
+use crate::output::table::rounded;
+use crate::worlds::run::{Ground, Keep};
+
+/// What a value is of. Its order is that of the baselines.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Key {
+    /// Name of the mapper.
+    pub mapper: String,
+    /// Name of the metric.
+    pub metric: String,
+    /// Name of the region.
+    pub region: String,
+    /// The world.
+    pub world: World,
+}
+
+/// Values of metrics, rounded as in every file; none where a metric is not defined.
+pub type Values = BTreeMap<Key, Option<f64>>;
+
+/// What was measured.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Measured {
+    /// The values ...
+    pub values: Values,
+    /// ... and of mappers that failed on a world, why.
+    pub failures: BTreeMap<(String, World), String>,
+}
+
+/// A metric's name and a region's.
+type Wanted = BTreeSet<(String, String)>;
+
+impl Gate {
+    /// The values of a mapper that the gate looks at, world by world.
+    pub fn keys<'a>(&'a self, mapper: &'a str) -> impl Iterator<Item = Key> + 'a {
+        self.worlds.iter().map(move |world| Key {
+            mapper: mapper.to_owned(),
+            metric: self.criterion.metric.to_owned(),
+            region: self.region.clone(),
+            world: world.clone(),
+        })
+    }
+
+    /// The mappers that the gate needs.
+    pub fn mappers(&self) -> Vec<&str> {
+        match &self.demand {
+            Demand::BetterThan { mapper, .. } => vec![&self.mapper, mapper],
+            _ => vec![&self.mapper],
+        }
+    }
+}
+
+/// The worlds that gates need, and what of them: values by mapper.
+pub fn plan(gates: &[Gate]) -> BTreeMap<World, BTreeMap<String, Wanted>> {
+    let mut plan: BTreeMap<World, BTreeMap<String, Wanted>> = BTreeMap::new();
+    for gate in gates {
+        for mapper in gate.mappers() {
+            for Key { mapper, metric, region, world } in gate.keys(mapper) {
+                plan.entry(world).or_default().entry(mapper).or_default().insert((metric, region));
+            }
+        }
+    }
+    plan
+}
+
+/// Maps every world that the gates need by the mappers that they judge, a world to a thread at a time. The result
+/// does not depend on the number of threads. `stream` 0 gives the readings that baselines are made from, any
+/// other number other readings of the same worlds.
+///
+/// A mapper that fails, by a panic too, is a finding and ends nothing.
+///
+/// # Errors
+/// A world that cannot be made; a mapper that is not among the known ones.
+pub fn measure(gates: &Gates, known: &[Entry], stream: u32, threads: usize) -> Result<Measured, Failure> {
+    let jobs: Vec<(World, BTreeMap<String, Wanted>)> = plan(&gates.gates).into_iter().collect();
+    let progress = Count::worlds(jobs.len());
+    let parts = engine::each(&jobs, threads, |(world, wanted)| {
+        let site = gates.sites.get(&world.family);
+        let site = site.ok_or_else(|| Failure::Internal(format!("there is no family {:?}", world.family)))?;
+        let (ground, setup) = site.ground(world)?;
+        let mut part = Measured::default();
+        for (mapper, wanted) in wanted {
+            let entry = known.iter().find(|entry| entry.name == mapper);
+            let entry = entry.ok_or_else(|| Failure::Internal(format!("there is no mapper {mapper:?}")))?;
+            match values(&ground, &setup, entry, world, stream, wanted) {
+                Ok(values) => part.values.extend(values),
+                Err(cause) => drop(part.failures.insert((mapper.clone(), world.clone()), cause)),
+            }
+        }
+        progress.step();
+        Ok(part)
+    });
+    progress.finish();
+    let mut measured = Measured::default();
+    for part in parts? {
+        measured.values.extend(part.values);
+        measured.failures.extend(part.failures);
+    }
+    Ok(measured)
+}
+
+/// The values of one mapper on one world, or why there are none.
+fn values(
+    ground: &Ground,
+    setup: &Setup,
+    entry: &Entry,
+    world: &World,
+    stream: u32,
+    wanted: &Wanted,
+) -> Result<Values, String> {
+    let seed = world.seed + (u64::from(stream) << 32);
+    let run = || ground.trial(seed, &[entry], setup, &Keep::default(), &|_, _| {});
+    let trial = match catch_unwind(AssertUnwindSafe(run)) {
+        Ok(result) => result.map_err(|failure| failure.to_string())?,
+        Err(panic) => {
+            return Err(format!("it panicked: {}", panic_text(&*panic).unwrap_or("no message")));
+        }
+    };
+    let last = trial.runs.first().map_or(0, |run| run.stages.len().saturating_sub(1));
+    let value = |(metric, region): &(String, String)| {
+        let value = trial.metric(entry.name, last, region, metric).and_then(|metric| metric.value);
+        let key =
+            Key { mapper: entry.name.to_owned(), metric: metric.clone(), region: region.clone(), world: world.clone() };
+        (key, value.and_then(|value| rounded(value).as_f64()))
+    };
+    Ok(wanted.iter().map(value).collect())
+}

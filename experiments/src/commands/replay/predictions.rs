@@ -1,0 +1,126 @@
+//! How well maps predict the scans that were kept back.
+
+use mapper::catalogue::Setup;
+use mapper::{Belief, Predictive};
+use rayon::prelude::*;
+use score::{Interval, SeriesMean, series_mean};
+use sensor::Scan;
+use serde_json::json;
+
+use super::recording::{self, Recording};
+use super::{BATCH, Maps, is_kept_back};
+use crate::failure::Failure;
+use crate::output::table::{Table, rounded};
+
+/// The maps' scores.
+pub(super) struct Predictions {
+    pub(super) rows: Vec<Row>,
+    /// The row that the others are compared with.
+    pub(super) baseline: usize,
+    /// Scans kept back.
+    pub(super) scans: usize,
+    /// Readings of theirs that were predicted.
+    pub(super) readings: u64,
+}
+
+/// The score of one map under one belief.
+pub(super) struct Row {
+    pub(super) name: String,
+    /// `-ln P(reading | map)`, nats per reading.
+    pub(super) loss: SeriesMean,
+    /// How much more than that of the baseline.
+    pub(super) difference: SeriesMean,
+}
+
+impl Predictions {
+    /// Predicts every reading of the scans kept back by every map.
+    pub(super) fn of(recording: &Recording, hold_out: u64, maps: &Maps, setup: &Setup) -> Result<Self, Failure> {
+        let beliefs: Vec<(String, Belief)> = maps
+            .maps
+            .iter()
+            .flat_map(|map| {
+                let cells = Some((map.mapper.to_owned(), Belief::Cells(&map.occupancy)));
+                let chain = map.pairs.as_ref().map(|pairs| (format!("{}-chain", map.mapper), Belief::Chain(pairs)));
+                [cells, chain].into_iter().flatten()
+            })
+            .collect();
+        let onset = setup.prior.onset(setup.grid.cell_m);
+        let losses = |scan: &Scan| {
+            let mut predictive = Predictive::new(setup.grid, &*setup.sensor, onset);
+            let (mut sums, mut readings) = (vec![0.0; beliefs.len()], 0);
+            for ray in scan.rays() {
+                if predictive.take(&ray) {
+                    readings += 1;
+                    sums.iter_mut().zip(&beliefs).for_each(|(sum, (_, belief))| *sum += predictive.log_loss(*belief));
+                }
+            }
+            (sums, readings)
+        };
+        let mut scans: Vec<(Vec<f64>, u64)> = Vec::new();
+        let mut batch = Vec::with_capacity(BATCH);
+        for (number, scan) in (0..).zip(recording.scans()?) {
+            let scan = scan.map_err(recording::refused)?;
+            if is_kept_back(number, hold_out) {
+                batch.push(scan);
+                if batch.len() == BATCH {
+                    scans.par_extend(batch.par_drain(..).map(|scan| losses(&scan)));
+                }
+            }
+        }
+        scans.par_extend(batch.par_drain(..).map(|scan| losses(&scan)));
+        let baseline = beliefs.iter().position(|(name, _)| name == "visibility").unwrap_or(0);
+        let series = |of: &dyn Fn(&[f64]) -> f64| {
+            let series: Vec<(f64, u64)> = scans.iter().map(|(sums, readings)| (of(sums), *readings)).collect();
+            series_mean(&series).map_err(|_| {
+                let place = recording.place();
+                let what = "no reading of the scans kept back lies on the map; keep more back (--hold-out) or use more of the log";
+                Failure::BadInput(format!("{place}: {what}"))
+            })
+        };
+        let row = |(k, (name, _)): (usize, &(String, Belief))| {
+            let (loss, difference) = (series(&|sums| sums[k])?, series(&|sums| sums[k] - sums[baseline])?);
+            Ok(Row { name: name.clone(), loss, difference })
+        };
+        let rows = beliefs.iter().enumerate().map(row).collect::<Result<_, Failure>>()?;
+        let readings = scans.iter().map(|(_, readings)| readings).sum();
+        Ok(Self { rows, baseline, scans: scans.len(), readings })
+    }
+
+    /// As `replay` prints them.
+    pub(super) fn table(&self) -> Table {
+        let mut table = Table::new(&["mapper", "readings", "predictive_log_loss", "low", "high"]);
+        for Row { name, loss, .. } in &self.rows {
+            let SeriesMean { mean, interval: Interval { low, high } } = *loss;
+            table.push(vec![json!(name), json!(self.readings), rounded(mean), rounded(low), rounded(high)]);
+        }
+        table
+    }
+
+    /// Every row's difference from the baseline.
+    pub(super) fn differences(&self) -> Table {
+        let mut table = Table::new(&["mapper", "baseline", "difference", "low", "high", "verdict"]);
+        for row in self.others() {
+            let SeriesMean { mean, interval: Interval { low, high } } = row.difference;
+            let names = [json!(row.name), json!(self.rows[self.baseline].name)];
+            let verdict = json!(row.verdict());
+            table.push(names.into_iter().chain([rounded(mean), rounded(low), rounded(high), verdict]).collect());
+        }
+        table
+    }
+
+    /// All rows but the baseline.
+    pub(super) fn others(&self) -> impl Iterator<Item = &Row> {
+        self.rows.iter().enumerate().filter(|(k, _)| *k != self.baseline).map(|(_, row)| row)
+    }
+}
+
+impl Row {
+    /// Whether it predicts better or worse than the baseline.
+    pub(super) fn verdict(&self) -> &'static str {
+        match self.difference.interval {
+            interval if !interval.excludes_zero() => "undecided",
+            interval if interval.low > 0.0 => "worse",
+            _ => "better",
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! The page of a folder that `compare` left.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+use clap::ValueEnum as _;
+use mapper::Prior;
+use serde::Deserialize;
+use serde_json::Value;
+
+use super::source::Folder;
+use crate::cli::Format;
+use crate::commands::compare::options::{CompareOptions, Worlds};
+use crate::commands::compare::plan::Plan;
+use crate::commands::compare::rows::{self, Rows};
+use crate::commands::compare::{document, outputs, showcase, tables};
+use crate::failure::Failure;
+use crate::figures::comparison::CAPTIONS;
+use crate::output::folder::RECORD;
+use crate::page;
+
+/// What the page of a comparison needs of its record.
+#[derive(Deserialize)]
+struct Made {
+    configuration: Configuration,
+}
+
+#[derive(Deserialize)]
+struct Configuration {
+    set: String,
+    families: Vec<PathBuf>,
+    seeds: u32,
+    batch_seeds: u32,
+    mappers: Vec<String>,
+    prior: Prior,
+    reconciliation: String,
+    repeats: Vec<usize>,
+    repeated_scans: usize,
+}
+
+/// The page, from the folder's tables; the worlds to look into are mapped again.
+pub(super) fn page(folder: &Folder, record: &Value) -> Result<String, Failure> {
+    let Made { configuration: made } = folder.understand(record)?;
+    let plan = plan(folder, made)?;
+    folder.same_configuration(record, &outputs::record(&plan))?;
+    let (viewer, worlds) = showcase::look(&plan)?;
+    let mut scores = Vec::new();
+    tables::scores(&worlds).write_csv(&mut scores).map_err(Failure::internal)?;
+    holds(folder, "scores.csv", &scores)?;
+    let rows = Rows {
+        means: table(folder, "summary.csv")?,
+        differences: table(folder, "differences.csv")?,
+        repeats: if plan.repeats.is_empty() { Vec::new() } else { table(folder, "repeats.csv")? },
+    };
+    let pictures = folder.pictures(record, &CAPTIONS)?;
+    page::page(&document::page(&plan, &rows, record, &pictures, viewer)?)
+}
+
+fn plan(folder: &Folder, made: Configuration) -> Result<Plan, Failure> {
+    let belief = folder.belief(&made.prior, &made.reconciliation)?;
+    let Ok(set) = Worlds::from_str(&made.set, false) else {
+        return Err(folder.refuse(RECORD, &format!("names a set {:?} that this program does not know", made.set)));
+    };
+    let options = CompareOptions {
+        set,
+        families: made.families,
+        seeds: Some(made.seeds),
+        batch_seeds: Some(made.batch_seeds),
+        mappers: made.mappers,
+        quick: false,
+        belief,
+        out: None,
+        format: Format::Text,
+        threads: None,
+    };
+    Ok(Plan { repeats: made.repeats, repeated_scans: made.repeated_scans, ..Plan::new(&options)? })
+}
+
+fn table<T: serde::de::DeserializeOwned>(folder: &Folder, name: &str) -> Result<Vec<T>, Failure> {
+    rows::parse(&folder.read(name)?).map_err(|e| folder.refuse(name, &format!("is no table of 'compare': {e}")))
+}
+
+/// Every line of `now` stands in the file.
+fn holds(folder: &Folder, name: &str, now: &[u8]) -> Result<(), Failure> {
+    let (was, now) = (folder.read(name)?, String::from_utf8_lossy(now));
+    let was = String::from_utf8_lossy(&was);
+    let lines: BTreeSet<&str> = was.lines().collect();
+    match now.lines().find(|line| !lines.contains(line)) {
+        None => Ok(()),
+        Some(line) => {
+            Err(folder.refuse(name, &format!("has no line {line:?}, which this program finds; run the command again")))
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! A folder of results, read back.
+
+use std::fs;
+use std::path::Path;
+
+use clap::ValueEnum as _;
+use mapper::Prior;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+
+use crate::cli::{Belief, Edges, Law};
+use crate::failure::Failure;
+use crate::output::folder::RECORD;
+use crate::output::table::Table;
+use crate::page::Picture;
+
+/// A folder of results to read from.
+pub(super) struct Folder<'a> {
+    pub(super) path: &'a Path,
+}
+
+impl Folder<'_> {
+    pub(super) fn refuse(&self, file: &str, why: &str) -> Failure {
+        Failure::BadInput(format!("{}: {why}", self.path.join(file).display()))
+    }
+
+    pub(super) fn read(&self, file: &str) -> Result<Vec<u8>, Failure> {
+        fs::read(self.path.join(file)).map_err(|e| {
+            self.refuse(file, &format!("cannot be read: {e}; give a folder that 'room' or 'compare' left whole"))
+        })
+    }
+
+    pub(super) fn record(&self) -> Result<Value, Failure> {
+        serde_json::from_slice(&self.read(RECORD)?)
+            .map_err(|e| self.refuse(RECORD, &format!("is no record of a run: {e}")))
+    }
+
+    pub(super) fn understand<T: DeserializeOwned>(&self, record: &Value) -> Result<T, Failure> {
+        T::deserialize(record)
+            .map_err(|e| self.refuse(RECORD, &format!("is not understood: {e}; run the command again")))
+    }
+
+    /// What the mappers believed.
+    pub(super) fn belief(&self, prior: &Prior, reconciliation: &str) -> Result<Belief, Failure> {
+        let law = serde_json::to_value(prior.correlation_law).map_err(Failure::internal)?;
+        let law = Law::from_str(law.as_str().unwrap_or_default(), false);
+        let (Ok(correlation_law), Ok(reconciliation)) = (law, Edges::from_str(reconciliation, false)) else {
+            return Err(self.refuse(RECORD, "names a reconciliation that this program does not know"));
+        };
+        Ok(Belief { prior: prior.occupancy, correlation: prior.correlation, correlation_law, reconciliation })
+    }
+
+    /// The scene or the program may have changed since.
+    pub(super) fn same_configuration(&self, record: &Value, now: &impl serde::Serialize) -> Result<(), Failure> {
+        let now = serde_json::to_value(now).map_err(Failure::internal)?;
+        for part in ["configuration", "grid", "stages"] {
+            if let Some((place, was, is)) = difference(part, &record[part], &now[part]) {
+                let why =
+                    format!("{place} was {was} and would now be {is}: the scene has changed; run the command again");
+                return Err(self.refuse(RECORD, &why));
+            }
+        }
+        Ok(())
+    }
+
+    /// The first rows of `csv` are those of the first seed.
+    pub(super) fn same_numbers(&self, csv: &[u8], metrics: &Table) -> Result<(), Failure> {
+        let mut now = Vec::new();
+        metrics.write_csv(&mut now).map_err(Failure::internal)?;
+        let (was, now) = (String::from_utf8_lossy(csv), String::from_utf8_lossy(&now));
+        let mut lines = was.lines();
+        for (i, now) in now.lines().enumerate() {
+            let was = lines.next().unwrap_or_default();
+            if was != now {
+                let why = format!("line {} is {was:?}, but this program finds {now:?}; run the command again", i + 1);
+                return Err(self.refuse("metrics.csv", &why));
+            }
+        }
+        Ok(())
+    }
+
+    /// The pictures that the record lists.
+    pub(super) fn pictures(&self, record: &Value, known: &[(&str, &str)]) -> Result<Vec<Picture>, Failure> {
+        let listed = |name: &str| record["files"].as_array().into_iter().flatten().any(|file| file == name);
+        let picture = |(name, caption): &(&str, &str)| {
+            let bytes = self.read(name)?;
+            Ok(Picture { name: (*name).to_owned(), caption: (*caption).to_owned(), bytes })
+        };
+        known.iter().filter(|(name, _)| listed(name)).map(picture).collect()
+    }
+}
+
+/// The first place at which two values differ.
+fn difference(place: &str, was: &Value, is: &Value) -> Option<(String, Value, Value)> {
+    if let (Value::Object(old), Value::Object(new)) = (was, is) {
+        let keys = old.keys().chain(new.keys());
+        return keys.into_iter().find_map(|key| difference(&format!("{place}.{key}"), &was[key], &is[key]));
+    }
+    (was != is).then(|| (place.to_owned(), was.clone(), is.clone()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn a_difference_is_named_by_its_place() {
+        let (was, is) = (json!({"a": {"b": 1, "c": [1]}}), json!({"a": {"b": 1, "c": [2]}}));
+        assert_eq!(difference("x", &was, &was), None);
+        assert_eq!(difference("x", &was, &is), Some(("x.a.c".to_owned(), json!([1]), json!([2]))));
+        let added = difference("x", &json!({}), &json!({"d": 1}));
+        assert_eq!(added, Some(("x.d".to_owned(), Value::Null, json!(1))));
+    }
+}

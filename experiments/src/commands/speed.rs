@@ -1,0 +1,111 @@
+//! `speed`: what every mapper costs on the user's own machine, side by side, on one thread.
+
+pub mod file;
+pub mod growth;
+pub mod hall;
+pub mod measure;
+mod options;
+mod outputs;
+mod processor;
+pub mod scans;
+pub mod tables;
+
+pub use options::SpeedOptions;
+
+use std::io::{self, Write as _};
+use std::sync::Arc;
+
+use mapper::catalogue::Setup;
+use sensor::Stereo;
+
+use self::growth::Sizes;
+use self::hall::Hall;
+use self::scans::ScanSet;
+use self::tables::Conditions;
+use crate::cli::Format;
+use crate::failure::Failure;
+use crate::jobs::interruption;
+use crate::jobs::progress::Count;
+use crate::jobs::threads;
+use crate::output::folder::Staging;
+use crate::output::table;
+use crate::worlds::mappers::entries;
+
+/// Maps the same scans by every mapper with a clock, and says what each took.
+///
+/// # Errors
+/// Bad input before any measurement, I/O, and a mapper that did not do its work.
+pub fn run(options: &SpeedOptions) -> Result<(), Failure> {
+    interruption::watch();
+    let entries = entries(&options.mappers)?;
+    if options.growth {
+        growth::online(&entries)?;
+        if options.format == Format::Csv && options.out.is_none() {
+            let message =
+                "--growth --format csv: gives two tables, and stdout takes one; name a folder for both with --out";
+            return Err(Failure::BadInput(message.to_owned()));
+        }
+    }
+    let set = match &options.scans {
+        Some(path) => file::load(path)?,
+        None => Hall::new()?.scans(),
+    };
+    let (setup, conditions) = conditions(options, &set)?;
+    let staging = options.out.as_deref().map(Staging::open).transpose()?;
+    threads::limit(Some(1))?;
+    if cfg!(debug_assertions) {
+        let _ = writeln!(
+            io::stderr(),
+            "warning: this build checks every map after every scan, and is slower for it; run with cargo run --release"
+        );
+    }
+
+    let (repeats, sizes) = (options.repeats as usize, Sizes::default());
+    let steps = if options.growth { growth::steps(&sizes, entries.len(), repeats) } else { 0 };
+    let progress = Count::measurements(entries.len() * repeats + steps);
+    let step = || progress.step();
+    let speeds = measure::measure(&entries, &setup, &set, &conditions.visited, repeats, step)?;
+    let curves = options.growth.then(|| growth::measure(&entries, &sizes, repeats, step)).transpose()?;
+    progress.finish();
+
+    if let (Some(staging), Some(folder)) = (staging, &options.out) {
+        outputs::write(staging, &speeds, &conditions, curves.as_deref())?;
+        let _ = writeln!(io::stderr(), "{}", folder.join("speed.csv").display());
+    }
+    let table = tables::table(&speeds, &conditions);
+    match (options.format, &curves) {
+        (Format::Csv, _) => table.print(false),
+        (Format::Json, None) => table.print(true),
+        (Format::Json, Some(curves)) => {
+            let mut json = table.to_json();
+            json["growth"] = growth::table(curves).to_json()["rows"].take();
+            table::print(&format!("{json:#}\n"))
+        }
+        (Format::Text, curves) => {
+            let growth = curves.as_ref().map(|curves| format!("\n{}", growth::text(curves))).unwrap_or_default();
+            table::print(&(tables::text(&speeds, &conditions) + &growth))
+        }
+    }
+}
+
+/// The map, the belief, and what the scans ask of every mapper.
+fn conditions(options: &SpeedOptions, set: &ScanSet) -> Result<(Setup, Conditions), Failure> {
+    let source = match &options.scans {
+        Some(path) => path.display().to_string(),
+        None => "a drive round a hall of 40 m by 40 m with boxes".to_owned(),
+    };
+    let grid = set.grid(options.grid).map_err(|what| Failure::BadInput(format!("{source}: {what}")))?;
+    let visited = set.visited(&grid);
+    if visited.rays == 0 {
+        return Err(Failure::BadInput(format!(
+            "{source}: column range_m: none of {} rays has a range that the camera can see; one must, at a depth of 0.25 m or more \
+             in front of it; check the unit of the ranges (m) and of the bearings (rad)",
+            set.rays()
+        )));
+    }
+    let stereo = Stereo::default();
+    let setup = Setup::new(grid, Arc::new(stereo));
+    let processor = processor::name();
+    let conditions = Conditions { source, scans: set.scans.len(), visited, grid, repeats: options.repeats, processor };
+    Ok((setup, conditions))
+}

@@ -1,0 +1,181 @@
+//! The table of speeds.
+
+use grid::GridSpec;
+use serde_json::{Value, json};
+
+use super::measure::Speed;
+use super::scans::Visited;
+use crate::output::table::{Table, aligned, rounded};
+
+/// The columns of `speed.csv` and of the JSON.
+const COLUMNS: [&str; 14] = [
+    "mapper",
+    "cells_visited",
+    "ns_per_cell",
+    "rays_per_s",
+    "scans_per_s",
+    "bytes_per_cell",
+    "cells_updated",
+    "ns_per_cell_median",
+    "scans",
+    "rays",
+    "map_cells",
+    "cell_m",
+    "repeats",
+    "processor",
+];
+
+/// What was mapped, on what.
+#[derive(Debug, Clone)]
+pub struct Conditions {
+    /// Where the scans are from.
+    pub source: String,
+    /// Number of scans.
+    pub scans: usize,
+    /// What their rays ask of every mapper.
+    pub visited: Visited,
+    /// The cells of the maps.
+    pub grid: GridSpec,
+    /// Times that every mapper mapped them.
+    pub repeats: u32,
+    /// Name of the processor.
+    pub processor: String,
+}
+
+/// Nanoseconds per cell visited.
+fn ns_per_cell(seconds: f64, visited: &Visited) -> f64 {
+    1e9 * seconds / visited.cells as f64
+}
+
+/// One row per mapper, in the order asked for. `cells_updated` is null of a mapper that does not count.
+pub fn table(speeds: &[Speed], conditions: &Conditions) -> Table {
+    let Conditions { scans, visited, grid, .. } = conditions;
+    let mut table = Table::new(&COLUMNS);
+    for speed in speeds {
+        let best = speed.best_s();
+        table.push(vec![
+            json!(speed.mapper),
+            json!(visited.cells),
+            rounded(ns_per_cell(best, visited)),
+            rounded(visited.rays as f64 / best),
+            rounded(*scans as f64 / best),
+            rounded(speed.work.bytes as f64 / grid.cells() as f64),
+            if speed.work.cells == 0 { Value::Null } else { json!(speed.work.cells) },
+            rounded(ns_per_cell(speed.median_s(), visited)),
+            json!(scans),
+            json!(visited.rays),
+            json!(grid.cells()),
+            json!(grid.cell_m),
+            json!(conditions.repeats),
+            json!(conditions.processor),
+        ]);
+    }
+    table
+}
+
+/// The table for reading, at most 80 columns wide.
+pub fn text(speeds: &[Speed], conditions: &Conditions) -> String {
+    let Conditions { source, scans, visited, grid, repeats, processor } = conditions;
+    let rows: Vec<Vec<String>> = speeds
+        .iter()
+        .map(|speed| {
+            let best = speed.best_s();
+            vec![
+                speed.mapper.to_owned(),
+                format!("{:.1}", ns_per_cell(best, visited)),
+                format!("{:.1}", ns_per_cell(speed.median_s(), visited)),
+                short((visited.rays as f64 / best).round() as u64),
+                short((*scans as f64 / best).round() as u64),
+                if speed.work.cells == 0 { "-".to_owned() } else { short(speed.work.cells) },
+                format!("{:.0}", speed.work.bytes as f64 / grid.cells() as f64),
+            ]
+        })
+        .collect();
+    let times = if *repeats == 1 { "mapped once".to_owned() } else { format!("best and median of {repeats} times") };
+    format!(
+        "speed: {}\n{} scans, {} rays with a reading, {} cells visited\nA map of {} x {} cells of {} m\n\
+         One thread of {}; {times}\n\n{}\n\
+         A cell visited lies between the sensor and the end of a ray's range, both\nincluded, in four-connected steps: \
+         the same number for every mapper. A mapper\nhas updated more where it goes on behind the range. B: bytes of map and \
+         working\nstate, per cell of the map.\n",
+        shortened(source, 73),
+        short(*scans as u64),
+        short(visited.rays),
+        short(visited.cells),
+        grid.width,
+        grid.height,
+        grid.cell_m,
+        shortened(processor, 64 - times.len()),
+        aligned(&["mapper", "ns/cell", "median", "rays/s", "scans/s", "updated", "B/cell"], &rows),
+    )
+}
+
+/// At most so many letters.
+fn shortened(text: &str, most: usize) -> String {
+    if text.chars().count() <= most {
+        return text.to_owned();
+    }
+    text.chars().take(most.saturating_sub(3)).chain("...".chars()).collect()
+}
+
+/// A whole number, or from a thousand million on, millions.
+fn short(number: u64) -> String {
+    if number < 1_000_000_000 { grouped(number) } else { grouped(number / 1_000_000) + "M" }
+}
+
+/// A whole number with a comma between thousands.
+pub(super) fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let groups = digits.as_bytes().rchunks(3).rev().map(String::from_utf8_lossy);
+    groups.collect::<Vec<_>>().join(",")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mapper::Work;
+
+    fn measured() -> (Vec<Speed>, Conditions) {
+        let visited = Visited { cells: 12_345_678_901, owed: 12_345_678_900, rays: 72_000_000 };
+        let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: 5000, height: 5000 };
+        let conditions = Conditions {
+            source: "a-long-folder/".repeat(9),
+            scans: 360_000,
+            visited,
+            grid,
+            repeats: 1000,
+            processor: "Intel(R) Xeon(R) Platinum 8488C with a name that goes on".to_owned(),
+        };
+        let speed = |mapper, cells| Speed {
+            mapper,
+            seconds: vec![2.0, 3.0, 4.0],
+            work: Work { cells, bytes: 25_000_000 * 72 },
+        };
+        (vec![speed("log-odds-cartographer", 12_345_678_901), speed("mrf", 0)], conditions)
+    }
+
+    #[test]
+    fn rates_are_of_the_best_repeat_and_of_the_cells_visited() {
+        let (speeds, conditions) = measured();
+        let rows = table(&speeds, &conditions).to_json()["rows"].clone();
+        assert_eq!(rows[0]["rays_per_s"], 36e6);
+        assert_eq!(rows[0]["scans_per_s"], 180e3);
+        assert_eq!(rows[0]["ns_per_cell"], 0.162);
+        assert_eq!(rows[0]["ns_per_cell_median"], 0.243);
+        assert_eq!(rows[0]["bytes_per_cell"], 72.0);
+        assert_eq!(rows[1]["cells_updated"], Value::Null);
+    }
+
+    #[test]
+    fn it_fits_eighty_columns_whatever_the_numbers() {
+        let (speeds, conditions) = measured();
+        let text = text(&speeds, &conditions);
+        assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
+        assert!(text.contains("12,345M cells visited") && text.contains("..."), "{text}");
+    }
+
+    #[test]
+    fn thousands_are_grouped() {
+        assert_eq!([0, 999, 1000, 12_600_000].map(grouped), ["0", "999", "1,000", "12,600,000"]);
+    }
+}

@@ -1,0 +1,252 @@
+//! A job: one drive through one world, mapped by all mappers with the same settings. It says all that decides its
+//! rows, so that it can run anywhere and in any order.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+
+use mapper::catalogue::{Entry, Setup, find};
+use mapper::{CorrelationLaw, Prior, Reconciliation, Tuning, estimate};
+use sensor::Stereo;
+use serde::{Deserialize, Serialize};
+
+use super::parameters::{Parameter, Settings, number_of, parameter, word_of};
+use super::row::{Row, rows};
+use super::site::{Site, Source};
+use crate::failure::{Failure, panic_text};
+use crate::output::digest;
+use crate::worlds::run::{Ground, Keep};
+
+/// A job.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Job {
+    /// Scene or family file.
+    pub file: String,
+    /// Digest of what it says, see [`Site`].
+    pub digest: String,
+    /// Whether it is a family, of which the seed is also the layout.
+    pub family: bool,
+    /// Seed.
+    pub seed: u64,
+    /// Parameters that are not as in the file or by default.
+    pub settings: Settings,
+    /// Names of the mappers.
+    pub mappers: Vec<String>,
+    /// Names of the regions.
+    pub regions: Vec<String>,
+}
+
+/// The part of a job that decides the readings.
+#[derive(Serialize)]
+struct World<'a> {
+    digest: &'a str,
+    seed: u64,
+    settings: Settings,
+}
+
+impl Job {
+    /// The job as JSON, with keys in a fixed order.
+    pub fn json(&self) -> String {
+        serde_json::to_string(self).unwrap_or_default() // plain values under plain keys
+    }
+
+    /// What names it: the first 16 digits of the digest of all that it says, whatever its order or shard. The name
+    /// of the file does not count; what the file says does.
+    pub fn id(&self) -> u64 {
+        digest::number(Self { file: String::new(), ..self.clone() }.json().as_bytes())
+    }
+
+    /// The seed of the readings, from the digest of what decides them: jobs that differ only in what mappers make of
+    /// their readings have the same ones, and can be compared in pairs.
+    pub fn readings_seed(&self) -> u64 {
+        let of_world = |key: &String| parameter(key).is_some_and(Parameter::of_world);
+        let settings = self.settings.iter().filter(|(key, _)| of_world(key));
+        let settings = settings.map(|(key, value)| (key.clone(), value.clone())).collect();
+        let world = World { digest: &self.digest, seed: self.seed, settings };
+        digest::number(serde_json::to_string(&world).unwrap_or_default().as_bytes())
+    }
+
+    /// Runs the job and gives its rows. What goes wrong in a world or a mapper, even a panic, is a row with the error.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or that says something else than when the job was planned: that is no result, and
+    /// another time it may be one.
+    pub fn run(&self) -> Result<Vec<Row>, Failure> {
+        let source = Site { file: self.file.clone(), digest: self.digest.clone(), family: self.family }.source()?;
+        let rows = |mappers: &[String]| caught(|| self.map(&source, mappers));
+        Ok(rows(&self.mappers).unwrap_or_else(|error| match self.mappers.as_slice() {
+            [] => Vec::new(),
+            [one] => vec![Row::failed(one, &error)],
+            // One mapper's failure is not that of the others: they have their rows if they are run alone.
+            all => {
+                let alone =
+                    |name: &String| rows(std::slice::from_ref(name)).unwrap_or_else(|e| vec![Row::failed(name, &e)]);
+                all.iter().flat_map(alone).collect()
+            }
+        }))
+    }
+
+    fn map(&self, source: &Source, names: &[String]) -> Result<Vec<Row>, Failure> {
+        let (mut ground, setup) = self.ground(source)?;
+        self.thin(&mut ground);
+        let unknown = |name: &str| Failure::BadInput(format!("there is no mapper {name:?}"));
+        let mappers: Vec<&Entry> =
+            names.iter().map(|name| find(name).ok_or_else(|| unknown(name))).collect::<Result<_, _>>()?;
+        let trial = ground.trial(self.readings_seed(), &mappers, &setup, &Keep::default(), &|_, _| {})?;
+        rows(self, &ground, &trial)
+    }
+
+    /// The world, and what the mappers believe of it: the camera that is simulated, unless a setting says otherwise.
+    fn ground(&self, source: &Source) -> Result<(Ground, Setup), Failure> {
+        let (number, word) = (|key| number_of(&self.settings, key), |key| word_of(&self.settings, key));
+        let scene = source.scene(self.seed, &self.settings)?;
+        let camera = scene.matcher.stereo;
+        let believed = Stereo {
+            correct_match: number("believed_correct_match").unwrap_or(camera.correct_match),
+            disparity_sigma: number("believed_sigma").unwrap_or(camera.disparity_sigma),
+            ..camera
+        };
+        let prior = self.prior();
+        let reconciliation = match word("reconciliation") {
+            Some("touched") => Reconciliation::Touched,
+            Some(_) => Reconciliation::AllEdges,
+            None => Reconciliation::default(),
+        };
+        let tuning = self.tuning()?;
+        let setup = Setup { prior, reconciliation, tuning, ..Setup::new(scene.grid, Arc::new(believed)) };
+        Ok((Ground::new(scene, prior.occupancy)?, setup))
+    }
+
+    /// Parameters of rules other than the paper's.
+    fn tuning(&self) -> Result<Tuning, Failure> {
+        let number = |key| number_of(&self.settings, key);
+        if let (Some(low), Some(high)) = (number("clamp_low"), number("clamp_high"))
+            && low > high
+        {
+            return Err(Failure::BadInput(format!("clamp_low = {low} is above clamp_high = {high}; exchange them")));
+        }
+        Ok(Tuning {
+            half_width: number("half_width"),
+            clamp_low: number("clamp_low"),
+            clamp_high: number("clamp_high"),
+            hit: number("hit"),
+            miss: number("miss"),
+            start: number("start"),
+            coupling: number("coupling"),
+            damping: number("damping"),
+            sweeps: number("sweeps").map(|sweeps| sweeps as usize),
+        })
+    }
+
+    fn prior(&self) -> Prior {
+        let number = |key| number_of(&self.settings, key);
+        let default = Prior::default();
+        let occupancy = number("prior").unwrap_or(default.occupancy);
+        let by_length = number("assumed_length").map(|length_m| estimate::law(occupancy, length_m, Prior::REFERENCE_M));
+        let correlation_law = match word_of(&self.settings, "correlation_law") {
+            Some("fixed") => CorrelationLaw::Fixed,
+            Some(_) => CorrelationLaw::Scaled,
+            None => default.correlation_law,
+        };
+        Prior {
+            occupancy,
+            correlation: number("correlation").or(by_length).unwrap_or(default.correlation),
+            correlation_law,
+        }
+    }
+
+    /// Leaves so many scans in the drive, evenly spread, as one stage.
+    fn thin(&self, ground: &mut Ground) {
+        let Some(scans) = number_of(&self.settings, "scans") else { return };
+        let all = ground.drive.poses.len();
+        let kept = (scans as usize).clamp(1, all.max(1));
+        let mut number = 0;
+        ground.drive.poses.retain(|_| {
+            // The k-th kept is in the middle of the k-th of equal parts of the drive.
+            let before = number * kept / all;
+            number += 1;
+            number * kept / all > before
+        });
+        if let Some((name, _)) = ground.drive.stage_ends.pop() {
+            ground.drive.stage_ends = vec![(name, kept)];
+        }
+    }
+}
+
+/// What fails, or panics, in words.
+fn caught(run: impl FnOnce() -> Result<Vec<Row>, Failure>) -> Result<Vec<Row>, String> {
+    let run = || run().map_err(|failure| failure.to_string());
+    catch_unwind(AssertUnwindSafe(run))
+        .unwrap_or_else(|panic| Err(format!("panic: {}", panic_text(&*panic).unwrap_or("without a message"))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::parameters::Value;
+    use super::*;
+
+    fn job() -> Job {
+        let settings = [("grid", 0.1), ("disparity_sigma", 1.0)];
+        Job {
+            file: "scenes/room.toml".to_owned(),
+            digest: "d".to_owned(),
+            family: false,
+            seed: 3,
+            settings: settings.map(|(key, number)| (key.to_owned(), Value::Number(number))).into(),
+            mappers: vec!["visibility".to_owned()],
+            regions: vec!["observable".to_owned()],
+        }
+    }
+
+    fn with(key: &str, value: f64) -> Job {
+        let mut job = job();
+        job.settings.insert(key.to_owned(), Value::Number(value));
+        job
+    }
+
+    #[test]
+    fn readings_are_shared_where_only_belief_differs() {
+        let same = [with("grid", 0.2), with("believed_sigma", 2.0), with("correlation", 0.0), with("scans", 5.0)];
+        for other in &same {
+            assert_eq!(other.readings_seed(), job().readings_seed());
+            assert_ne!(other.id(), job().id());
+        }
+        let others = [with("disparity_sigma", 2.0), Job { seed: 4, ..job() }, Job { digest: "e".to_owned(), ..job() }];
+        for other in &others {
+            assert_ne!(other.readings_seed(), job().readings_seed());
+            assert_ne!(other.id(), job().id());
+        }
+    }
+
+    #[test]
+    fn an_id_is_of_what_is_done_not_of_names() {
+        let elsewhere = Job { file: "/other/place.toml".to_owned(), ..job() };
+        assert_eq!(elsewhere.id(), job().id());
+        assert_eq!(serde_json::from_str::<Job>(&job().json()).expect("a job"), job());
+        assert_eq!(job().id(), 0x0185_5a91_98d6_cc79, "an id that changes makes every result in the world worthless");
+    }
+
+    #[test]
+    fn a_failure_is_a_row_and_not_that_of_other_mappers() {
+        let scene = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/room.toml");
+        let mappers = ["prior", "no such mapper"].map(str::to_owned).to_vec();
+        let site = Site::load(&scene, false).expect("a scene");
+        let mut job = Job { file: site.file, digest: site.digest, mappers, ..job() };
+        job.settings.insert("grid".to_owned(), Value::Number(0.5));
+        let rows = job.run().expect("the file is as it was");
+        assert_eq!(rows.len(), 2);
+        assert!(rows[0].mapper == "prior" && rows[0].error.is_empty() && rows[0].values[0].is_some());
+        assert!(rows[1].mapper == "no such mapper" && rows[1].error.contains("there is no mapper"));
+
+        let changed = Job { digest: "another".to_owned(), ..job.clone() };
+        assert!(changed.run().expect_err("no result").to_string().contains("has changed since the sweep was planned"));
+        let away = Job { file: "nowhere.toml".to_owned(), ..job };
+        assert!(away.run().expect_err("no result").to_string().contains("nowhere.toml"));
+    }
+
+    #[test]
+    fn a_panic_is_caught_with_what_it_said() {
+        let said = caught(|| -> Result<Vec<Row>, Failure> { panic!("cell {} is lost", 7) });
+        assert_eq!(said, Err("panic: cell 7 is lost".to_owned()));
+    }
+}

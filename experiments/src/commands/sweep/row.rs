@@ -1,0 +1,91 @@
+//! Rows of a sweep's table.
+
+use serde_json::json;
+
+use super::job::Job;
+use super::parameters::Value as Setting;
+use super::regions::{RANGE_BY_LOOKS, range_by_looks};
+use crate::commands::compare::criteria::CRITERIA;
+use crate::failure::Failure;
+use crate::output::table::{field, optional};
+use crate::worlds::run::{Ground, Trial};
+
+/// A map in a region, or what went wrong instead.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// Name of the mapper; empty where the world was not made.
+    pub mapper: String,
+    /// Name of the region; empty with an error.
+    pub region: String,
+    /// Number of cells of the region.
+    pub cells: usize,
+    /// The metrics in the order of [`CRITERIA`]; none where a metric is not defined.
+    pub values: Vec<Option<f64>>,
+    /// What went wrong; empty if nothing.
+    pub error: String,
+}
+
+impl Row {
+    /// What stands for a mapper's rows when it failed.
+    pub fn failed(mapper: &str, error: &str) -> Self {
+        let error = error.split_whitespace().collect::<Vec<_>>().join(" ");
+        Self { mapper: mapper.to_owned(), region: String::new(), cells: 0, values: vec![None; CRITERIA.len()], error }
+    }
+
+    /// The row as fields, in the order of [`columns`].
+    pub fn fields(&self, id: u64, job: &Job, keys: &[String]) -> Vec<String> {
+        let setting = |key: &String| match job.settings.get(key) {
+            Some(Setting::Number(number)) => field(&json!(number)),
+            Some(Setting::Word(word)) => word.clone(),
+            None => String::new(),
+        };
+        let mut fields = vec![format!("{id:016x}"), job.file.clone(), job.seed.to_string()];
+        fields.extend(keys.iter().map(setting));
+        fields.extend([self.mapper.clone(), self.region.clone()]);
+        fields.push(if self.error.is_empty() { self.cells.to_string() } else { String::new() });
+        fields.extend(self.values.iter().map(|value| field(&optional(*value))));
+        fields.push(self.error.clone());
+        fields
+    }
+}
+
+/// The columns of a table with the given parameters.
+pub fn columns(keys: &[String]) -> Vec<String> {
+    let names = ["id", "scene", "seed"].into_iter().chain(keys.iter().map(String::as_str));
+    let names = names.chain(["mapper", "region", "cells"]).chain(CRITERIA.iter().map(|criterion| criterion.metric));
+    names.chain(["error"]).map(str::to_owned).collect()
+}
+
+/// The scores of a trial at the end of the drive.
+///
+/// # Errors
+/// A map that holds something else than probabilities.
+pub fn rows(job: &Job, ground: &Ground, trial: &Trial) -> Result<Vec<Row>, Failure> {
+    let mut rows = Vec::new();
+    for run in &trial.runs {
+        let Some(last) = run.stages.len().checked_sub(1) else {
+            return Err(Failure::Internal(format!("{} was never scored", run.mapper)));
+        };
+        let metric = |region: &str, name: &str| trial.metric(run.mapper, last, region, name);
+        let row = |region: String, cells, values| Row {
+            mapper: run.mapper.to_owned(),
+            region,
+            cells,
+            values,
+            error: String::new(),
+        };
+        for region in &job.regions {
+            if region == RANGE_BY_LOOKS {
+                for bin in range_by_looks(ground, trial, &run.stages[last].occupancy)? {
+                    let errors = bin.errors.into_iter().chain(std::iter::repeat(None));
+                    rows.push(row(bin.name, bin.cells, errors.take(CRITERIA.len()).collect()));
+                }
+                continue;
+            }
+            let cells = metric(region, "log_loss").map_or(0, |metric| metric.support);
+            let values = CRITERIA.iter().map(|c| metric(region, c.metric).and_then(|metric| metric.value));
+            rows.push(row(region.clone(), cells, values.collect()));
+        }
+    }
+    Ok(rows)
+}

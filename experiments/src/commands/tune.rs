@@ -1,0 +1,112 @@
+//! `tune`: parameters of mappers, fitted on worlds that no result is reported on.
+
+pub mod candidates;
+pub mod clamps;
+pub mod fit;
+mod options;
+pub mod outputs;
+
+pub use options::TuneOptions;
+
+use std::io::Write as _;
+use std::time::Instant;
+
+use mapper::{Prior, Reconciliation};
+use scene::Set;
+
+use self::candidates::{Candidate, Tuned};
+use self::fit::Fit;
+use crate::cli::Format;
+use crate::commands::compare::conditions::AS_BELIEVED;
+use crate::commands::compare::plan::families;
+use crate::commands::compare::world::{Belief, Job};
+use crate::failure::Failure;
+use crate::jobs::engine;
+use crate::jobs::interruption;
+use crate::jobs::progress::Count;
+use crate::jobs::threads;
+use crate::output::folder::Staging;
+use crate::output::table;
+
+/// Mappers that take all scans at once are fitted on so many worlds of each family: they cost ten times as much.
+pub const BATCH_SEEDS: u32 = 3;
+
+/// Scores every candidate on the tuning set and says which are the best.
+///
+/// # Errors
+/// Bad input before any work, and I/O.
+pub fn run(options: &TuneOptions) -> Result<(), Failure> {
+    let start = Instant::now();
+    interruption::watch();
+    let families = families(&options.families)?;
+    let mappers = distinct(&options.mappers)?;
+    let mut staging = Staging::open(&options.out)?;
+    threads::limit(options.threads)?;
+
+    let grids: Vec<Vec<Candidate>> = mappers.iter().map(|tuned| tuned.candidates()).collect();
+    let tasks = tasks(&mappers, u64::from(options.seeds), families.len());
+    let progress = Count::worlds(tasks.len());
+    let errors = engine::each(&tasks, rayon::current_num_threads(), |task| {
+        let family = &families[task.family];
+        let job = Job {
+            family: family.name.clone(),
+            condition: AS_BELIEVED.name.to_owned(),
+            seed: task.seed,
+            batch: mappers[task.mapper].is_batch(),
+        };
+        let errors = fit::errors(&job, family, &belief(), &grids[task.mapper])?;
+        progress.step();
+        Ok(errors)
+    });
+    progress.finish();
+    let errors = errors?;
+    let fit = |(number, &tuned): (usize, &Tuned)| {
+        let worlds = tasks.iter().zip(&errors).filter(|(task, _)| task.mapper == number);
+        Fit::new(tuned, &grids[number], &worlds.map(|(_, errors)| errors.as_slice()).collect::<Vec<_>>())
+    };
+    let fits: Vec<Fit> = mappers.iter().enumerate().map(fit).collect();
+    outputs::write(&mut staging, &fits, options)?;
+    staging.publish()?;
+
+    let place = options.out.join("tuning.csv");
+    let _ = writeln!(std::io::stderr(), "{} in {:.0} s", place.display(), start.elapsed().as_secs_f64());
+    match options.format {
+        Format::Text => table::print(&outputs::text(&fits, options)),
+        Format::Csv => outputs::table(&fits).print(false),
+        Format::Json => outputs::table(&fits).print(true),
+    }
+}
+
+/// A world for the candidates of one mapper.
+struct Task {
+    mapper: usize,
+    family: usize,
+    seed: u64,
+}
+
+/// All worlds of all mappers, the long ones first so that no thread begins one at the end.
+fn tasks(mappers: &[Tuned], seeds: u64, families: usize) -> Vec<Task> {
+    let mut tasks = Vec::new();
+    for (mapper, tuned) in mappers.iter().enumerate() {
+        let seeds = if tuned.is_batch() { seeds.min(u64::from(BATCH_SEEDS)) } else { seeds };
+        for seed in Set::Tuning.seeds(seeds) {
+            tasks.extend((0..families).map(|family| Task { mapper, family, seed }));
+        }
+    }
+    tasks.sort_by_key(|task| !mappers[task.mapper].is_batch());
+    tasks
+}
+
+/// What all candidates believe, as far as it is not what is fitted.
+fn belief() -> Belief {
+    Belief { prior: Prior::default(), reconciliation: Reconciliation::default() }
+}
+
+/// The mappers in the order of tables.
+fn distinct(mappers: &[Tuned]) -> Result<Vec<Tuned>, Failure> {
+    let twice = mappers.iter().enumerate().find(|(k, tuned)| mappers[..*k].contains(tuned));
+    match twice {
+        Some((_, name)) => Err(Failure::BadInput(format!("--mappers: '{name}' is given twice; name each mapper once"))),
+        None => Ok(Tuned::ALL.into_iter().filter(|tuned| mappers.contains(tuned)).collect()),
+    }
+}

@@ -1,0 +1,119 @@
+//! Every candidate on the same readings, and the one with the least log loss.
+
+use grid::Raster;
+use mapper::ConventionalRule;
+use scene::Family;
+use score::{Region, Scorer, Sightings};
+
+use super::candidates::{Candidate, Tuned};
+use super::clamps;
+use crate::commands::compare::world::{Belief, Job};
+use crate::failure::Failure;
+use crate::worlds::run::look;
+
+/// The error of a map over the observable region at the end of the drive.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Errors {
+    /// Log loss, nats per cell.
+    pub log_loss: f64,
+    /// Brier score.
+    pub brier: f64,
+}
+
+/// How the candidates of a mapper did.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fit {
+    /// The mapper.
+    pub tuned: Tuned,
+    /// Number of worlds.
+    pub worlds: usize,
+    /// The candidates in the order of their grid, with their mean errors over the worlds.
+    pub candidates: Vec<(Candidate, Errors)>,
+}
+
+/// Maps a world by every candidate and scores the maps.
+///
+/// # Errors
+/// As [`Job::ground`]; a mapper that gives something else than probabilities; a world in which nothing
+/// could be seen.
+pub fn errors(job: &Job, family: &Family, belief: &Belief, candidates: &[Candidate]) -> Result<Vec<Errors>, Failure> {
+    let (ground, setup) = job.ground(family, belief)?;
+    let simulation = scene::simulate(&ground.scene, &ground.world, &ground.drive, job.seed);
+    let mut seen = Sightings::new(&ground.truth);
+    simulation.scans.iter().for_each(|simulated| look(&mut seen, simulated));
+    let mask = seen.mask(Region::Observable);
+    let scorer = Scorer::new(&ground.truth, seen.surface())?;
+    let score = |map: &Raster<f64>| {
+        let scores = scorer.scores(map, &mask)?;
+        let (Some(log_loss), Some(brier)) = (scores.log_loss.value, scores.brier.value) else {
+            return Err(Failure::Internal(format!("{}: nothing could be seen", job.place())));
+        };
+        Ok(Errors { log_loss, brier })
+    };
+    let scans = || simulation.scans.iter().map(|simulated| &simulated.scan);
+    let mut errors = Vec::with_capacity(candidates.len());
+    let bin = |candidate: &Candidate| candidate.rule().map(|rule| rule.half_width.to_bits());
+    for alike in candidates.chunk_by(|a, b| bin(a).is_some() && bin(a) == bin(b)) {
+        let rules: Vec<ConventionalRule> = alike.iter().filter_map(|candidate| candidate.rule()).collect();
+        if rules.is_empty() {
+            let mut mapper = alike[0].build(&setup);
+            scans().for_each(|scan| mapper.integrate(scan));
+            mapper.settle();
+            errors.push(score(mapper.occupancy())?);
+        }
+        for map in clamps::maps(&setup, &rules, scans()) {
+            errors.push(score(&map)?);
+        }
+    }
+    Ok(errors)
+}
+
+impl Fit {
+    /// The means over worlds, each of which has the errors of every candidate in order.
+    pub fn new(tuned: Tuned, candidates: &[Candidate], worlds: &[&[Errors]]) -> Self {
+        let mean = |number: usize| {
+            let mean = |of: fn(&Errors) -> f64| {
+                worlds.iter().map(|errors| of(&errors[number])).sum::<f64>() / worlds.len() as f64
+            };
+            Errors { log_loss: mean(|e| e.log_loss), brier: mean(|e| e.brier) }
+        };
+        let candidates = candidates.iter().enumerate().map(|(number, &candidate)| (candidate, mean(number))).collect();
+        Self { tuned, worlds: worlds.len(), candidates }
+    }
+
+    /// The candidates from the least log loss to the largest; equals in the order of the grid.
+    pub fn ranking(&self) -> Vec<(Candidate, Errors)> {
+        let mut ranking = self.candidates.clone();
+        ranking.sort_by(|a, b| a.1.log_loss.total_cmp(&b.1.log_loss)); // keeps equals in order
+        ranking
+    }
+
+    /// The first of the ranking.
+    ///
+    /// # Panics
+    /// If there are no candidates.
+    pub fn best(&self) -> Candidate {
+        self.ranking()[0].0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_least_mean_wins_and_of_equals_the_first() {
+        let candidates = &Tuned::Mrf.candidates()[..4];
+        let errors = |losses: [f64; 4]| losses.map(|log_loss| Errors { log_loss, brier: 2.0 * log_loss });
+        let [first, second] = [errors([0.5, 0.125, 0.25, 0.875]), errors([0.125, 0.5, 0.25, 0.125])];
+        let fit = Fit::new(Tuned::Mrf, candidates, &[&first, &second]);
+        assert_eq!(fit.worlds, 2);
+        let expected = [0.3125, 0.3125, 0.25, 0.5];
+        for ((_, errors), expected) in fit.candidates.iter().zip(expected) {
+            assert!((errors.log_loss - expected).abs() < 1e-15 && (errors.brier - 2.0 * expected).abs() < 1e-15);
+        }
+        assert_eq!(fit.best(), candidates[2]);
+        let order: Vec<Candidate> = fit.ranking().iter().map(|(candidate, _)| *candidate).collect();
+        assert_eq!(order, [candidates[2], candidates[0], candidates[1], candidates[3]]);
+    }
+}

@@ -1,0 +1,33 @@
+//! Options of `tune`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use scene::Set;
+
+use super::candidates::Tuned;
+use crate::cli::{Format, MOST_THREADS, count};
+use crate::commands::compare::options::FAMILIES;
+
+/// Options of `tune`.
+#[derive(Debug, Args)]
+pub struct TuneOptions {
+    /// Families of generated scenes, comma-separated
+    #[arg(long, value_name = "FILE,FILE", value_delimiter = ',', default_value = FAMILIES)]
+    pub families: Vec<PathBuf>,
+    /// Worlds of each family; mappers that take all scans at once are fitted on the first three of them
+    #[arg(long, value_name = "N", default_value_t = 10, allow_negative_numbers = true, value_parser = count(Set::SIZE as u32))]
+    pub seeds: u32,
+    /// What to fit, comma-separated [default: all]
+    #[arg(long, value_enum, value_name = "A,B", value_delimiter = ',', hide_default_value = true, default_values_t = Tuned::ALL)]
+    pub mappers: Vec<Tuned>,
+    /// Folder for table and picture, written whole or not at all
+    #[arg(long, value_name = "DIR", default_value = "results/tuning")]
+    pub out: PathBuf,
+    /// Form of the table on stdout; csv and json give all candidates
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+    /// Threads to use, all processors if not given; results do not depend on it
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = count(MOST_THREADS))]
+    pub threads: Option<u32>,
+}

@@ -1,0 +1,6 @@
+//! Work that takes a while, on several threads, and can be interrupted.
+
+pub mod engine;
+pub mod interruption;
+pub mod progress;
+pub mod threads;

@@ -1,0 +1,100 @@
+//! What `room` prints: the numbers that a person looks at first.
+
+use std::fmt::Write as _;
+
+use score::Summary;
+
+use crate::output::record::Stage;
+use crate::output::table::aligned;
+use crate::worlds::claims::Claim;
+use crate::worlds::run::{Ground, Trial};
+
+/// A column of a summary table: heading, metric, decimals.
+type Column = (&'static str, &'static str, usize);
+
+const OBSERVABLE: [Column; 7] = [
+    ("log loss", "log_loss", 3),
+    ("Brier", "brier", 4),
+    ("AUC", "auc", 3),
+    ("IoU", "iou", 2),
+    ("retention", "retention", 3),
+    ("phantom", "phantom_area", 2),
+    ("missed", "missed_area", 2),
+];
+
+const REGION: [Column; 5] = [
+    ("log loss", "log_loss", 3),
+    ("Brier", "brier", 4),
+    ("held free", "free_known", 3),
+    ("held occupied", "free_lost", 3),
+    ("retention", "retention", 3),
+];
+
+/// Tables of the last stage over what was observable and in every named region, then the claims.
+pub fn text(ground: &Ground, trials: &[Trial], stages: &[Stage], claims: &[Claim]) -> String {
+    let mut text = String::new();
+    let (Some(stage), Some(first)) = (stages.last(), trials.first()) else { return text };
+    let last = stages.len() - 1;
+    let spec = &ground.scene.grid;
+    let _ = writeln!(
+        text,
+        "{}: {}, {} scans x {} columns, {} x {} cells of {} m\n",
+        ground.scene.name,
+        match trials.len() {
+            1 => format!("seed {}", first.seed),
+            n => format!("seeds {} to {} (mean ± sd)", first.seed, first.seed + n as u64 - 1),
+        },
+        ground.scans(),
+        ground.scene.camera.columns,
+        spec.width,
+        spec.height,
+        spec.cell_m
+    );
+    let mut section = |title: &str, region: &str, columns: &[Column]| {
+        let _ = writeln!(text, "Stage {}, {}: {title}", stage.name, stage.label);
+        let heads: Vec<&str> = ["mapper"].into_iter().chain(columns.iter().map(|c| c.0)).collect();
+        let mut rows: Vec<Vec<String>> = Vec::new();
+        for run in &first.runs {
+            let cells = columns.iter().map(|(_, metric, decimals)| {
+                let summary = over_seeds(trials, run.mapper, last, region, metric);
+                (mean(summary, *decimals), deviation(summary, *decimals))
+            });
+            let (means, deviations): (Vec<String>, Vec<String>) = cells.unzip();
+            rows.push([run.mapper.to_owned()].into_iter().chain(means).collect());
+            if trials.len() > 1 {
+                rows.push([String::new()].into_iter().chain(deviations).collect());
+            }
+        }
+        let _ = writeln!(text, "{}", aligned(&heads, &rows));
+    };
+    section("all that could be seen (areas in m²)", "observable", &OBSERVABLE);
+    for region in &ground.scene.regions {
+        section(&format!("free cells of region {}", region.name), &region.name, &REGION);
+    }
+    for claim in claims {
+        let verdict = if claim.holds { "holds" } else { "FAILS" };
+        let _ = writeln!(text, "{verdict}  {}: {}", claim.claim, claim.measured);
+    }
+    text
+}
+
+/// A metric over those seeds in which it has a value.
+pub fn over_seeds(trials: &[Trial], mapper: &str, stage: usize, region: &str, metric: &str) -> Option<Summary> {
+    let values = trials.iter().filter_map(|trial| trial.metric(mapper, stage, region, metric)?.value);
+    Summary::of(&values.collect::<Vec<_>>())
+}
+
+/// A mean as text; a dash where there is none.
+fn mean(summary: Option<Summary>, decimals: usize) -> String {
+    summary.map_or_else(|| "-".to_owned(), |s| format!("{:.decimals$}", s.mean))
+}
+
+/// A standard deviation as text; nothing where there is none.
+fn deviation(summary: Option<Summary>, decimals: usize) -> String {
+    summary.and_then(|s| s.standard_deviation).map_or_else(String::new, |sd| format!("±{sd:.decimals$}"))
+}
+
+/// Mean and, of more than one seed, standard deviation as one text.
+pub fn spread(summary: Option<Summary>, decimals: usize) -> String {
+    format!("{} {}", mean(summary, decimals), deviation(summary, decimals)).trim_end().to_owned()
+}

@@ -1,0 +1,132 @@
+//! What a section of a page is made of.
+
+use serde_json::Value;
+
+use crate::output::table::Table;
+
+/// A heading and what stands below it.
+#[derive(Debug, Default)]
+pub struct Section {
+    /// The heading.
+    pub heading: String,
+    /// How to read it; may be empty.
+    pub lead: String,
+    /// In order.
+    pub parts: Vec<Part>,
+}
+
+/// Something below a heading.
+#[derive(Debug)]
+pub enum Part {
+    /// A picture.
+    Picture(Picture),
+    /// A table.
+    Sheet(Sheet),
+    /// Parts that open and close behind a line of text.
+    Fold {
+        /// The line.
+        summary: String,
+        /// Whether it starts open.
+        open: bool,
+        /// What it hides.
+        parts: Vec<Sheet>,
+    },
+}
+
+/// A picture with its caption.
+#[derive(Debug, Clone)]
+pub struct Picture {
+    /// Its file name.
+    pub name: String,
+    /// What it shows.
+    pub caption: String,
+    /// The PNG.
+    pub bytes: Vec<u8>,
+}
+
+/// A table for reading: every row has one cell per head. The first column holds names.
+#[derive(Debug, Default)]
+pub struct Sheet {
+    /// Above the table; may be empty.
+    pub caption: String,
+    /// Beside the caption, stepping back; may be empty.
+    pub note: String,
+    /// Heads of the columns.
+    pub heads: Vec<String>,
+    /// The rows.
+    pub rows: Vec<Vec<Cell>>,
+}
+
+/// A cell of a [`Sheet`].
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Cell {
+    /// What it says.
+    pub text: String,
+    /// How it is coloured.
+    pub tone: Tone,
+}
+
+/// Colour of a cell. The text must say the same: not everybody sees colours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Tone {
+    /// As the text around it.
+    #[default]
+    Plain,
+    /// A verdict in favour.
+    Good,
+    /// A verdict against.
+    Bad,
+    /// No difference that matters.
+    Even,
+}
+
+impl Tone {
+    /// Name of the style.
+    pub fn class(self) -> &'static str {
+        match self {
+            Self::Plain => "plain",
+            Self::Good => "good",
+            Self::Bad => "bad",
+            Self::Even => "even",
+        }
+    }
+}
+
+impl<T: Into<String>> From<T> for Cell {
+    fn from(text: T) -> Self {
+        Self { text: text.into(), tone: Tone::Plain }
+    }
+}
+
+impl Sheet {
+    /// All rows of a table; a value that does not exist is a dash.
+    pub fn of(caption: &str, table: &Table) -> Self {
+        let cell = |value: &Value| match value {
+            Value::Null => "-".into(),
+            Value::String(text) => text.as_str().into(),
+            other => other.to_string().into(),
+        };
+        Self {
+            caption: caption.to_owned(),
+            note: String::new(),
+            heads: table.columns().iter().map(|name| name.replace('_', " ")).collect(),
+            rows: table.rows().iter().map(|row| row.iter().map(cell).collect()).collect(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn a_table_becomes_a_sheet() {
+        let mut table = Table::new(&["mapper", "log_loss"]);
+        table.push(vec![json!("visibility"), json!(0.25)]);
+        table.push(vec![json!("prior"), Value::Null]);
+        let sheet = Sheet::of("Losses", &table);
+        assert_eq!(sheet.heads, ["mapper", "log loss"]);
+        assert_eq!(sheet.rows, [["visibility".into(), "0.25".into()], ["prior".into(), Cell::from("-")]]);
+    }
+}
