@@ -131,6 +131,9 @@ pub struct ReportOptions {
     /// Page to write [default: report.html in the folder]
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+    /// Replace the page if it is there already and is none that the folder's record lists
+    #[arg(long, requires = "out")]
+    pub force: bool,
 }
 
 /// What the mappers believe before the first reading.
@@ -226,6 +229,9 @@ pub struct FromMapOptions {
     /// Scene file to write instead of stdout; it names the map relative to itself
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+    /// Replace the scene file if it is there already
+    #[arg(long, requires = "out")]
+    pub force: bool,
     /// Radius of the robot, m
     #[arg(long, value_name = "M", default_value_t = 0.2, allow_negative_numbers = true, value_parser = radius)]
     pub radius: f64,
@@ -264,6 +270,9 @@ pub struct GenerateOptions {
     /// File to write instead of stdout
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+    /// Replace the file if it is there already
+    #[arg(long, requires = "out")]
+    pub force: bool,
 }
 
 /// Options of `list`.

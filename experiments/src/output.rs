@@ -2,6 +2,10 @@
 
 pub mod digest;
 pub mod folder;
+pub mod ledger;
+pub mod map;
+pub mod publication;
 pub mod record;
+pub mod single;
 pub mod summary;
 pub mod table;

@@ -90,14 +90,14 @@ fn a_map_comes_back_from_every_form() {
     let at = ["--resolution", "0.05", "--origin", "-4,2.5,0.25"];
     for (mode, negate) in [("trinary", false), ("trinary", true), ("scale", false), ("scale", true), ("raw", false)] {
         let options: &[&str] = if negate { &["--mode", mode, "--negate"] } else { &["--mode", mode] };
-        place.expect(0, &[&["m.yaml", "a.yaml"], options].concat());
+        place.expect(0, &[&["m.yaml", "a.yaml", "--force"], options].concat());
         assert_eq!(place.map("a.yaml").coding.negate, negate);
-        place.expect(0, &["a.yaml", "b.npy"]);
-        let (out, _) = place.expect(0, &["b.npy", "c.yaml", at[0], at[1], at[2], at[3]]);
+        place.expect(0, &["a.yaml", "b.npy", "--force"]);
+        let (out, _) = place.expect(0, &["b.npy", "c.yaml", "--force", at[0], at[1], at[2], at[3]]);
         assert_eq!(out, "c.pgm, c.yaml: 3 x 2 cells: 1 free, 2 occupied, 3 unknown\n");
         if !negate {
-            place.expect(0, &["c.yaml", "d.png", "--mode", mode]);
-            place.expect(0, &[&["d.png", "c.yaml", "--read-as", mode], &at[..]].concat());
+            place.expect(0, &["c.yaml", "d.png", "--force", "--mode", mode]);
+            place.expect(0, &[&["d.png", "c.yaml", "--force", "--read-as", mode], &at[..]].concat());
         }
         let after = place.map("c.yaml");
         assert_eq!(
@@ -146,10 +146,10 @@ fn another_place_keeps_the_cells() {
 #[test]
 fn what_is_refused_leaves_everything_as_it_was() {
     let place = Place::new();
-    place.refused(&["m.yaml", "m.yaml"], "m.pgm: is read from; choose another name to write to");
-    place.refused(&["m.yaml", "./m.pgm"], "is read from");
+    place.refused(&["m.yaml", "m.yaml"], "m.pgm: is read by this run; choose another name to write to");
+    place.refused(&["m.yaml", "./m.pgm"], "is read by this run");
     place.refused(&["p.npy", "../p.npy/../x/p.npy"], "cannot be written");
-    place.refused(&["p.npy", "p.npy"], "p.npy: is read from");
+    place.refused(&["p.npy", "p.npy"], "p.npy: is read by this run");
     place.refused(
         &["p.npy", "n.yaml"],
         "p.npy: has no resolution and origin, which the YAML file must say; give --resolution M and --origin X,Y,YAW",

@@ -284,10 +284,10 @@ fn the_same_bytes_with_any_number_of_threads() {
 }
 
 #[test]
-fn the_summary_of_a_step_is_added_to_and_any_other_replaced() {
+fn the_summary_of_a_step_is_added_to_and_one_that_gate_wrote_replaced() {
     let place = Place::new();
     for (shared, heads) in [(true, 2), (false, 1)] {
-        place.put("s.md", "### Before\n");
+        place.put("s.md", "### Maps: before\n");
         let mut command = place.command(&["--only", "bounded", "--summary", "s.md"]);
         command.env("GITHUB_STEP_SUMMARY", if shared { "s.md" } else { "t.md" });
         checked(0, &["s.md"], &command.output().expect("runs"));

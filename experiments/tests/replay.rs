@@ -33,7 +33,8 @@ fn log_loss(map: &Path, spec: &GridSpec, truth: &Raster<Option<bool>>, seen: &Ra
     for cell in (0..truth.spec().cells()).filter(|cell| seen[*cell]) {
         let Some(occupied) = truth[cell] else { continue };
         let there = spec.locate(truth.spec().centre(cell)).expect("the map holds all that was seen");
-        let p = f64::from(array.occupancy[there].expect("known")).clamp(1e-4, 1.0 - 1e-4);
+        // A beam may end short of what it could have seen: the map then says nothing, and the prior holds.
+        let p = array.occupancy[there].map_or(0.1, f64::from).clamp(1e-4, 1.0 - 1e-4);
         sum -= if occupied { p.ln() } else { (1.0 - p).ln() };
         cells += 1;
     }

@@ -15,7 +15,7 @@ use crate::cli::Format;
 use crate::failure::Failure;
 use crate::jobs::interruption;
 use crate::jobs::threads;
-use crate::output::folder::Staging;
+use crate::output::folder::{Purpose, Staging};
 use crate::output::table;
 
 /// What was fitted to what.
@@ -42,7 +42,8 @@ pub(crate) struct Calibration {
 pub fn run(options: &CalibrateOptions) -> Result<(), Failure> {
     interruption::watch();
     threads::limit(options.threads)?;
-    let staging = options.out.as_deref().map(Staging::open).transpose()?;
+    let purpose = Purpose::new("calibrate", &[&options.file], outputs::FILES);
+    let staging = options.out.as_deref().map(|folder| Staging::open(folder, &purpose)).transpose()?;
     let calibration = match disparities::load(&options.file)? {
         Some(disparities) => disparities::calibrate(&disparities, options)?,
         None => log::calibrate(options)?,

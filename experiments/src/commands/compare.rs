@@ -38,7 +38,7 @@ use crate::jobs::engine;
 use crate::jobs::interruption;
 use crate::jobs::progress::Count;
 use crate::jobs::threads;
-use crate::output::folder::Staging;
+use crate::output::folder::{Purpose, Staging};
 use crate::output::table;
 use crate::worlds::claims::{self as claim, Claim};
 
@@ -65,7 +65,8 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     interruption::watch();
     let plan = Plan::new(options)?;
     let out = options.out.clone().unwrap_or_else(|| default_folder(&plan, options.quick));
-    let mut staging = Staging::open(&out)?;
+    let reads: Vec<&Path> = options.families.iter().map(PathBuf::as_path).collect();
+    let mut staging = Staging::open(&out, &Purpose::new("compare", &reads, outputs::FILES))?;
     threads::limit(options.threads)?;
     let record = outputs::record(&plan);
     let worlds = map_worlds(&plan, &out, &configuration(&plan, &record)?)?;

@@ -3,6 +3,7 @@
 mod input;
 mod output;
 
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
@@ -12,6 +13,7 @@ use grid::{GridSpec, Raster};
 use crate::cli::{positive, probability};
 use crate::failure::Failure;
 use crate::jobs::interruption;
+use crate::output::single::{self, Existing, Whole};
 use crate::output::table;
 
 /// Options of `convert`.
@@ -44,6 +46,9 @@ pub struct ConvertOptions {
     /// Lower-left corner in metres and angle in radians, instead of IN's; the cells stay
     #[arg(long, value_name = "X,Y,YAW", allow_hyphen_values = true, value_parser = origin)]
     pub origin: Option<Origin>,
+    /// Replace files that have the names already; those that are read never
+    #[arg(long)]
+    pub force: bool,
 }
 
 /// Names of [`Mode`] on the command line.
@@ -128,19 +133,40 @@ pub fn run(options: &ConvertOptions) -> Result<(), Failure> {
             thresholds.free, thresholds.occupied
         )));
     }
+    if let Some(warning) = unseen_as_free(&map, &thresholds) {
+        let _ = writeln!(io::stderr(), "warning: {}: {warning}", options.input.display());
+    }
     let coding = Coding { mode: options.mode.unwrap_or_default().into(), negate: options.negate, thresholds };
     let files = output::files(&map, kind, options, &coding)?;
-    output::publish(&files, &map.sources)?;
+    let sources: Vec<&Path> = map.sources.iter().map(PathBuf::as_path).collect();
+    single::put(&files, &sources, Existing::forced(options.force))?;
     table::print(&summary(&map, kind, options, &coding, &files))
 }
 
-fn summary(
-    map: &Map,
-    kind: output::Kind,
-    options: &ConvertOptions,
-    coding: &Coding,
-    files: &[output::Whole],
-) -> String {
+/// A map that marks no cell as unknown, and whose free cells mostly hold one value: probably that of cells that nobody
+/// has seen.
+fn unseen_as_free(map: &Map, thresholds: &Thresholds) -> Option<String> {
+    let cells = map.occupancy.values();
+    if cells.iter().any(Option::is_none) {
+        return None;
+    }
+    let free = cells.iter().flatten().filter(|share| thresholds.state(Some(**share)) == Some(false));
+    let mut free: Vec<f32> = free.copied().collect();
+    free.sort_by(f32::total_cmp);
+    let most = free.chunk_by(|a, b| a.to_bits() == b.to_bits()).max_by_key(|same| same.len())?;
+    // A map of nothing but states is sure of its free cells.
+    let doubtful = most[0] > 0.0 && 2 * most.len() > free.len();
+    doubtful.then(|| {
+        format!(
+            "{} of {} free cells hold exactly {}, and none is unknown: if nobody has seen them, they are not free; mark cells that were never seen as NaN",
+            most.len(),
+            free.len(),
+            most[0]
+        )
+    })
+}
+
+fn summary(map: &Map, kind: output::Kind, options: &ConvertOptions, coding: &Coding, files: &[Whole]) -> String {
     let spec = map.occupancy.spec();
     let states = map.occupancy.map(|&share| coding.thresholds.state(share));
     let count = |state: Option<bool>| states.values().iter().filter(|s| **s == state).count();

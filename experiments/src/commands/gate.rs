@@ -14,9 +14,9 @@ pub mod verdict;
 pub mod views;
 pub mod world;
 
-use std::fs::OpenOptions;
-use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::fs::{File, OpenOptions};
+use std::io::{Read as _, Write as _};
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -31,6 +31,7 @@ use self::verdict::{Outcome, Verdict};
 use crate::cli::Format;
 use crate::failure::Failure;
 use crate::jobs::interruption;
+use crate::output::single;
 use crate::output::table;
 
 /// The command line of a program of your own: gates on your mappers and the built-in ones.
@@ -78,17 +79,17 @@ pub fn run_with(options: &GateOptions, own: &[Entry]) -> Result<(), Failure> {
         return update(options, asked);
     }
     let baseline = asked.baseline(options)?;
-    let outputs: Vec<&PathBuf> = options.junit.iter().chain(&options.summary).collect();
-    outputs.iter().try_for_each(|path| writable(path))?;
+    let reads = [options.gates.as_path(), &options.baseline()];
+    for (path, beginning) in [(&options.junit, views::JUNIT), (&options.summary, views::MARKDOWN)] {
+        path.iter().try_for_each(|path| writable(path, beginning, &reads))?;
+    }
     let outcomes = asked.judge(options, &baseline)?;
     let heading = heading(&asked.gates, options.stream);
     if let Some(path) = &options.junit {
         write(path, &views::junit(&outcomes, &asked.gates.file)?, false)?;
     }
     if let Some(path) = &options.summary {
-        // What other commands of the same step have said there is kept.
-        let shared = std::env::var_os("GITHUB_STEP_SUMMARY").is_some_and(|shared| Path::new(&shared) == path);
-        write(path, views::markdown(&outcomes, &heading).as_bytes(), shared)?;
+        write(path, views::markdown(&outcomes, &heading).as_bytes(), is_shared(path))?;
     }
     match options.format {
         Format::Csv => tables::table(&outcomes).print(false)?,
@@ -206,8 +207,26 @@ fn all_pass(outcomes: &[Outcome]) -> Result<(), Failure> {
     }
 }
 
-/// Proves before any work that a file can be written, and leaves what is in it.
-fn writable(path: &Path) -> Result<(), Failure> {
+/// Other commands of the same step of a workflow write there too, and what they have written is kept.
+fn is_shared(path: &Path) -> bool {
+    std::env::var_os("GITHUB_STEP_SUMMARY").is_some_and(|shared| Path::new(&shared) == path)
+}
+
+/// Proves before any work that a file can be written, and leaves what is in it: nothing, or what an earlier run wrote,
+/// which begins in its own way.
+fn writable(path: &Path, beginning: &str, reads: &[&Path]) -> Result<(), Failure> {
+    single::refuse_read(path, reads)?;
+    if path.is_file() && !is_shared(path) {
+        let mut start = vec![0; beginning.len()];
+        let mut file = File::open(path).map_err(|error| Failure::write(path, &error))?;
+        let read = file.read(&mut start).map_err(|error| Failure::write(path, &error))?;
+        if read > 0 && start != beginning.as_bytes() {
+            return Err(Failure::BadInput(format!(
+                "{}: was not written by `gate`, and would be replaced; choose another file, or move it away",
+                path.display()
+            )));
+        }
+    }
     OpenOptions::new().create(true).append(true).open(path).map(drop).map_err(|error| {
         Failure::BadInput(format!("{}: cannot be written: {error}; choose another file", path.display()))
     })

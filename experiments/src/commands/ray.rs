@@ -24,7 +24,7 @@ use crate::cli::Format;
 use crate::failure::Failure;
 use crate::figures;
 use crate::jobs::interruption;
-use crate::output::folder::{RECORD, Staging};
+use crate::output::folder::{Purpose, Staging};
 use crate::output::record::versions;
 use crate::output::table;
 use crate::worlds::claims::{self, Claim};
@@ -43,7 +43,8 @@ pub fn run(options: &RayOptions) -> Result<(), Failure> {
     };
     let folder =
         options.out.clone().or_else(|| Some(Path::new("results").join(format!("ray-{}", case.as_ref()?.name))));
-    let staging = folder.as_deref().map(Staging::open).transpose()?;
+    let purpose = Purpose::new("ray", &[&options.ray], FILES);
+    let staging = folder.as_deref().map(|folder| Staging::open(folder, &purpose)).transpose()?;
     let answers = Answers::of(&ray);
     let curve = case.as_ref().filter(|case| case.name == "occluded").map(|_| certainty::curve()).unwrap_or_default();
     let mut claims: Vec<Claim> = case.iter().flat_map(|case| case.claims(&answers)).collect();
@@ -88,6 +89,9 @@ fn text(name: &str, case: Option<&Case>, ray: &ViewingRay, answers: &Answers, cl
     if claims.is_empty() { text } else { text + "\n" }
 }
 
+/// The files, beside the record.
+const FILES: [&str; 5] = ["ray.toml", "ray.csv", "ray.png", "certainty.csv", "certainty.png"];
+
 /// What a run leaves in its folder.
 struct Outputs<'a> {
     name: &'a str,
@@ -114,7 +118,6 @@ impl Outputs<'_> {
             let picture = figures::certainty::draw(self.curve, cases::UNCHANGED)?;
             staging.write("certainty.png", |out| out.write_all(&picture))?;
         }
-        let files = staging.files_and(&[RECORD]);
         let record = json!({
             "schema_version": 1,
             "command": "ray",
@@ -129,7 +132,6 @@ impl Outputs<'_> {
             },
             "claims": self.claims,
             "versions": versions(),
-            "files": files,
         });
         staging.record(&record)?;
         staging.publish()

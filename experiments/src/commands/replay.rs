@@ -5,14 +5,17 @@ mod options;
 mod outputs;
 mod predictions;
 mod recording;
+mod seen;
 
 pub use options::ReplayOptions;
 
 use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-use grid::{DigitalLine, GridSpec, Raster};
+use grid::Raster;
+use logs::Sensor;
 use mapper::catalogue::{Entry, Setup};
 use mapper::{Mapper, PairwiseGrid};
 use rayon::prelude::*;
@@ -21,12 +24,13 @@ use sensor::{Scan, SensorModel};
 use self::extent::Survey;
 use self::predictions::Predictions;
 use self::recording::Recording;
+use self::seen::{Reach, Seen};
 use crate::cli::Format;
 use crate::failure::Failure;
 use crate::jobs::interruption;
 use crate::jobs::progress::Count;
 use crate::jobs::threads;
-use crate::output::folder::Staging;
+use crate::output::folder::{Purpose, Staging};
 use crate::output::table;
 use crate::worlds::mappers::entries;
 
@@ -69,7 +73,10 @@ pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
         reconciliation: options.belief.reconciliation(),
         ..Setup::new(grid, sensor)
     };
-    let mut staging = Staging::open(&options.out())?;
+    let out = options.out();
+    let reads: Vec<&Path> =
+        [Some(&options.log), options.trajectory.as_ref()].into_iter().flatten().map(PathBuf::as_path).collect();
+    let mut staging = Staging::open(&out, &Purpose::new("replay", &reads, outputs::names(&entries)))?;
 
     let mapping = Instant::now();
     let maps = mapped(&recording, &survey, options.hold_out, &entries, &setup)?;
@@ -82,7 +89,7 @@ pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
     match options.format {
         Format::Text => {
             table::print(&outputs::text(&told))?;
-            let place = options.out().join("report.html");
+            let place = out.join("report.html");
             let mapped = survey.kept - survey.kept / options.hold_out;
             let _ = writeln!(
                 io::stderr(),
@@ -137,7 +144,11 @@ fn mapped(
 ) -> Result<Maps, Failure> {
     let progress = Count::scans(survey.kept);
     let mut mappers: Vec<Box<dyn Mapper>> = entries.iter().map(|entry| (entry.build)(setup)).collect();
-    let mut seen = Seen::new(setup.grid);
+    let reach = match survey.sensor {
+        Sensor::Laser { .. } => Reach::Reading,
+        Sensor::Stereo => Reach::Median,
+    };
+    let mut seen = Seen::new(setup.grid, reach);
     let mut batch = Vec::with_capacity(BATCH);
     let mut take = |batch: &mut Vec<Scan>, mappers: &mut [Box<dyn Mapper>]| {
         rayon::join(
@@ -165,28 +176,6 @@ fn mapped(
         pairs: mapper.pairwise(),
     });
     Ok(Maps { maps: maps.collect(), seen: seen.cells })
-}
-
-/// Which cells beams were in.
-struct Seen {
-    cells: Raster<bool>,
-    line: DigitalLine,
-}
-
-impl Seen {
-    fn new(grid: GridSpec) -> Self {
-        Self { cells: Raster::filled(grid, false), line: DigitalLine::default() }
-    }
-
-    fn add(&mut self, scan: &Scan, sensor: &dyn SensorModel) {
-        for ray in scan.rays() {
-            let Some(range_m) = ray.reading.and_then(|reading| sensor.range_of(reading, ray.bearing_rad)) else {
-                continue;
-            };
-            self.line.trace(self.cells.spec(), ray.origin_m, ray.direction, range_m);
-            self.line.cells().iter().for_each(|cell| self.cells[*cell] = true);
-        }
-    }
 }
 
 /// A sensor that mappers share.

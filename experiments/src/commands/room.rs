@@ -16,7 +16,7 @@ use crate::failure::Failure;
 use crate::jobs::interruption;
 use crate::jobs::progress::Progress;
 use crate::jobs::threads;
-use crate::output::folder::Staging;
+use crate::output::folder::{self, Purpose, Staging};
 use crate::output::record::{Configuration, Record, Robot, Stage, versions};
 use crate::output::summary;
 use crate::output::table;
@@ -34,17 +34,19 @@ pub fn run(options: &RoomOptions) -> Result<(), Failure> {
     interruption::watch();
     let seeds = seeds(options)?;
     let Plan { ground, mappers, setup, frames } = Plan::of(options)?;
-    let out = options.out.clone().unwrap_or_else(|| Path::new("results").join(&ground.scene.name));
+    let usual = || folder::for_scene(&Path::new("results").join(&ground.scene.name), &options.scene);
+    let out = options.out.clone().unwrap_or_else(usual);
     claimable(&ground, options)?;
-    let mut staging = Staging::open(&out)?;
+    let files = outputs::names(&ground, &mappers);
+    let mut staging = Staging::open(&out, &Purpose::new("room", &[&options.scene], files))?;
     threads::limit(options.threads)?;
     let trials = trials(&ground, &seeds, &mappers, &setup, &frames)?;
     let stages = stages(&ground, &trials[0]);
     let claimed = ground.scene.regions.iter().filter(|region| region.claims);
     let claims: Vec<Claim> = claimed.flat_map(|region| claims::judge(&trials, &region.name)).collect();
-    let mut record = record(options, &ground, &mappers, &stages, &claims);
+    let record = record(options, &ground, &mappers, &stages, &claims);
     let metrics = outputs::metrics(&ground, &trials, &stages);
-    outputs::write(&mut staging, &ground, &trials, &stages, &frames, &metrics, &mut record)?;
+    outputs::write(&mut staging, &ground, &trials, &stages, &frames, &metrics, &record)?;
     staging.publish()?;
 
     match options.format {
@@ -179,6 +181,5 @@ pub(crate) fn record(
         stages: stages.to_vec(),
         claims: claims.to_vec(),
         versions: versions(),
-        files: Vec::new(),
     }
 }

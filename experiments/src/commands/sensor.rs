@@ -6,6 +6,7 @@ mod outputs;
 pub use options::SensorOptions;
 
 use std::io::{self, Write as _};
+use std::path::Path;
 
 use scene::Scene;
 use sensor::{SensorModel as _, Stereo};
@@ -13,7 +14,7 @@ use sensor::{SensorModel as _, Stereo};
 use crate::cli::Format;
 use crate::failure::Failure;
 use crate::jobs::interruption;
-use crate::output::folder::Staging;
+use crate::output::folder::{self, Purpose, Staging};
 use crate::output::table::{self, Table, aligned, rounded};
 use crate::worlds::claims::{self, Claim};
 
@@ -31,12 +32,14 @@ pub fn run(options: &SensorOptions) -> Result<(), Failure> {
     interruption::watch();
     let scene = Scene::load(&options.scene, None)?;
     let camera = View::of(&scene, options.range);
-    let mut staging = Staging::open(&options.out)?;
+    let out = options.out.clone().unwrap_or_else(|| folder::for_scene(Path::new("results/sensor"), &options.scene));
+    let purpose = Purpose::new("sensor", &[&options.scene], outputs::FILES);
+    let mut staging = Staging::open(&out, &purpose)?;
     let columns = camera.columns();
     let claims = camera.claims(&columns);
     camera.write(&mut staging, &options.scene.display().to_string(), &claims)?;
     staging.publish()?;
-    let _ = writeln!(io::stderr(), "{}", options.out.join("kernel.png").display());
+    let _ = writeln!(io::stderr(), "{}", out.join("kernel.png").display());
 
     let table = camera.table(&columns);
     match options.format {

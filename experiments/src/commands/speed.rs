@@ -13,6 +13,7 @@ pub mod tables;
 pub use options::SpeedOptions;
 
 use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use mapper::catalogue::Setup;
@@ -27,7 +28,7 @@ use crate::failure::Failure;
 use crate::jobs::interruption;
 use crate::jobs::progress::Count;
 use crate::jobs::threads;
-use crate::output::folder::Staging;
+use crate::output::folder::{Purpose, Staging};
 use crate::output::table;
 use crate::worlds::mappers::entries;
 
@@ -51,7 +52,9 @@ pub fn run(options: &SpeedOptions) -> Result<(), Failure> {
         None => Hall::new()?.scans(),
     };
     let (setup, conditions) = conditions(options, &set)?;
-    let staging = options.out.as_deref().map(Staging::open).transpose()?;
+    let reads: Vec<&Path> = options.scans.iter().map(PathBuf::as_path).collect();
+    let purpose = Purpose::new("speed", &reads, outputs::FILES);
+    let staging = options.out.as_deref().map(|folder| Staging::open(folder, &purpose)).transpose()?;
     threads::limit(Some(1))?;
     if cfg!(debug_assertions) {
         let _ = writeln!(

@@ -7,6 +7,7 @@ pub mod job;
 pub mod manifest;
 pub mod merge;
 mod options;
+mod outcome;
 pub mod parameters;
 pub mod plots;
 pub mod regions;
@@ -25,14 +26,13 @@ use std::time::Instant;
 use serde_json::json;
 
 use self::manifest::{Manifest, Replace};
-use self::options::{MergeOptions, Part, PlanOptions, RunOptions, StatusOptions};
+use self::options::{Part, PlanOptions, RunOptions, StatusOptions};
 use self::shard::State;
 use crate::cli::Format;
 use crate::failure::Failure;
 use crate::jobs::interruption;
 use crate::jobs::threads;
-use crate::output::folder::{self, RECORD};
-use crate::output::record::versions;
+use crate::output::folder;
 use crate::output::table::{self, Table};
 
 /// Name of the merged table.
@@ -49,8 +49,8 @@ pub fn run(options: &SweepOptions) -> Result<(), Failure> {
         (Some(Part::Run(options)), _) => run_shards(options),
         (Some(Part::Status(options)), _) => status(options),
         (Some(Part::Missing(options)), _) => missing(&Manifest::open(&options.folder)?),
-        (Some(Part::Merge(options)), _) => merge(options),
-        (Some(Part::Plot(options)), _) => plots::draw(&options.folder).map(|_| ()),
+        (Some(Part::Merge(options)), _) => outcome::merge(options),
+        (Some(Part::Plot(options)), _) => outcome::plot(&options.folder),
         (Some(Part::Slurm(options)), _) => slurm::run(options),
         (None, Some(file)) => all(file, options),
         (None, None) => Err(Failure::BadInput("sweep: name a sweep file; see sweep --help".to_owned())),
@@ -66,6 +66,7 @@ fn default_folder(file: &Path) -> PathBuf {
 fn plan(options: &PlanOptions) -> Result<(), Failure> {
     let sweep = file::load(&options.file)?;
     let folder = options.out.clone().unwrap_or_else(|| default_folder(&options.file));
+    folder::check(&folder, &outcome::purpose(&sweep.mappers))?;
     let manifest = manifest::plan(
         &sweep,
         &folder,
@@ -166,21 +167,11 @@ fn missing(manifest: &Manifest) -> Result<(), Failure> {
     }
 }
 
-fn merge(options: &MergeOptions) -> Result<(), Failure> {
-    let manifest = Manifest::open(&options.folder)?;
-    merge_into(&manifest, &options.out.clone().unwrap_or_else(|| options.folder.join(TABLE)))
-}
-
-fn merge_into(manifest: &Manifest, out: &Path) -> Result<(), Failure> {
-    let rows = merge::merge(manifest, out)?;
-    say(&format!("{}: {rows} rows", out.display()));
-    Ok(())
-}
-
 /// Plans, runs, merges and plots a sweep on this machine.
 fn all(file: &Path, options: &SweepOptions) -> Result<(), Failure> {
     let sweep = file::load(file)?;
     let folder = options.out.clone().unwrap_or_else(|| default_folder(file));
+    folder::check(&folder, &outcome::purpose(&sweep.mappers))?;
     let former = Manifest::open(&folder).ok();
     let manifest = manifest::plan(
         &sweep,
@@ -195,32 +186,7 @@ fn all(file: &Path, options: &SweepOptions) -> Result<(), Failure> {
         ));
     }
     work(&manifest, None, options.threads)?;
-    let pictures = conclude(&manifest)?;
-    record(&sweep, &manifest, pictures)
-}
-
-/// Merges a sweep all of whose shards are done, draws the table, and gives the names of the pictures.
-fn conclude(manifest: &Manifest) -> Result<Vec<String>, Failure> {
-    merge_into(manifest, &manifest.folder.join(TABLE))?;
-    let pictures = plots::draw(&manifest.folder)?;
-    pictures.iter().for_each(|picture| say(&manifest.folder.join(picture).display().to_string()));
-    Ok(pictures)
-}
-
-/// Leaves `run.json`, with nothing in it that changes from build to build.
-fn record(sweep: &file::Sweep, manifest: &Manifest, mut files: Vec<String>) -> Result<(), Failure> {
-    files.extend([TABLE, RECORD].map(str::to_owned));
-    files.sort();
-    let record = json!({
-        "schema_version": 1,
-        "command": "sweep",
-        "configuration": sweep,
-        "jobs": manifest.head.jobs,
-        "versions": versions(),
-        "files": files,
-    });
-    let text = serde_json::to_string_pretty(&record).map_err(Failure::internal)?;
-    folder::replace(&manifest.folder.join(RECORD), format!("{text}\n").as_bytes())
+    outcome::conclude(&manifest, Some(&sweep))
 }
 
 fn counted(count: u64, what: &str) -> String {

@@ -9,6 +9,7 @@ pub mod outputs;
 pub use options::TuneOptions;
 
 use std::io::Write as _;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use mapper::{Prior, Reconciliation};
@@ -25,7 +26,7 @@ use crate::jobs::engine;
 use crate::jobs::interruption;
 use crate::jobs::progress::Count;
 use crate::jobs::threads;
-use crate::output::folder::Staging;
+use crate::output::folder::{Purpose, Staging};
 use crate::output::table;
 
 /// Mappers that take all scans at once are fitted on so many worlds of each family: they cost ten times as much.
@@ -40,7 +41,8 @@ pub fn run(options: &TuneOptions) -> Result<(), Failure> {
     interruption::watch();
     let families = families(&options.families)?;
     let mappers = distinct(&options.mappers)?;
-    let mut staging = Staging::open(&options.out)?;
+    let reads: Vec<&Path> = options.families.iter().map(PathBuf::as_path).collect();
+    let mut staging = Staging::open(&options.out, &Purpose::new("tune", &reads, outputs::FILES))?;
     threads::limit(options.threads)?;
 
     let grids: Vec<Vec<Candidate>> = mappers.iter().map(|tuned| tuned.candidates()).collect();

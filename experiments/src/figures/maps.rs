@@ -7,11 +7,11 @@ use super::panel::Panel;
 use super::{Area, png};
 use crate::failure::Failure;
 use crate::output::record::Stage;
-use crate::worlds::run::{Ground, Run, Trial};
+use crate::worlds::run::{Ground, Trial};
 
 /// What the picture shows.
 pub const CAPTION: &str = "Maps from the same readings (compare Figures 13 and 14): a row per mapper, a column per stage, the truth on \
-    the left. White is free, black occupied, grey not known; orange marks regions, blue the robot.";
+    the left. White is free, black occupied, grey never seen; orange marks regions, blue the robot.";
 
 const WIDTH: usize = 440;
 const GAP: u32 = 14;
@@ -43,7 +43,7 @@ pub(super) fn sheet(ground: &Ground, trial: &Trial, stages: &[Stage], panel: Pan
             for (column, stage) in stages.iter().enumerate() {
                 let at = place(column + 1);
                 title(area, at, width, &format!("{} ({}) {}", run.mapper, stage.name, stage.label))?;
-                map(area, ground, run, column, stage, &panel.at(at.0, y + HEAD))?;
+                map(area, ground, trial, (row, column), stage, &panel.at(at.0, y + HEAD))?;
             }
         }
         Ok(())
@@ -62,9 +62,18 @@ fn title(area: &Area, (x, y): (u32, u32), width: u32, text: &str) -> Result<(), 
     area.draw(&Text::new(shown, (x as i32, y as i32 + 6), style)).map_err(Failure::internal)
 }
 
-fn map(area: &Area, ground: &Ground, run: &Run, column: usize, stage: &Stage, panel: &Panel) -> Result<(), Failure> {
-    let occupancy = &run.stages[column].occupancy;
-    panel.fill(area, |cell| ink::occupancy(occupancy[cell], ground.prior))?;
+/// The map of a mapper (`row`) at a stage (`column`); grey where no ray has been.
+fn map(
+    area: &Area,
+    ground: &Ground,
+    trial: &Trial,
+    (row, column): (usize, usize),
+    stage: &Stage,
+    panel: &Panel,
+) -> Result<(), Failure> {
+    let (occupancy, reached) = (&trial.runs[row].stages[column].occupancy, &trial.reached[column]);
+    let shown = |cell: usize| if reached[cell] { occupancy[cell] } else { ground.prior };
+    panel.fill(area, |cell| ink::occupancy(shown(cell), ground.prior))?;
     regions(area, ground, panel)?;
     match ground.drive.poses.get(stage.scans.wrapping_sub(1)) {
         Some(timed) if panel.holds(timed.pose.position_m()) => {

@@ -10,7 +10,7 @@ use crate::failure::Failure;
 
 /// What the picture shows.
 pub const CAPTION: &str =
-    "Maps from the same scans. White is free, black occupied, grey not known; blue is where the sensor went.";
+    "Maps from the same scans. White is free, black occupied, grey never seen; blue is where the sensor went.";
 
 const GAP: u32 = 14;
 const HEAD: u32 = 34;
@@ -22,7 +22,12 @@ const WIDTHS: [usize; 2] = [1400, 900];
 ///
 /// # Errors
 /// A drawing that fails.
-pub fn draw(maps: &[(&str, &Raster<f64>)], prior: f64, path: &[[f64; 2]]) -> Result<Vec<u8>, Failure> {
+pub fn draw(
+    maps: &[(&str, &Raster<f64>)],
+    seen: &Raster<bool>,
+    prior: f64,
+    path: &[[f64; 2]],
+) -> Result<Vec<u8>, Failure> {
     let Some((_, first)) = maps.first() else { return png((1, 1), |_| Ok(())) };
     let spec = *first.spec();
     let columns = if maps.len() > 1 && spec.width < 2 * spec.height { 2 } else { 1 };
@@ -37,7 +42,7 @@ pub fn draw(maps: &[(&str, &Raster<f64>)], prior: f64, path: &[[f64; 2]]) -> Res
             let title = Text::new(*name, (x as i32, y as i32 + 6), ink::letters(ink::TITLE, &INK));
             area.draw(&title).map_err(Failure::internal)?;
             let panel = panel.at(x, y + HEAD);
-            panel.fill(area, |cell| ink::occupancy(map[cell], prior))?;
+            panel.fill(area, |cell| ink::occupancy(if seen[cell] { map[cell] } else { prior }, prior))?;
             panel.path(area, path, ROUTE)?;
         }
         Ok(())

@@ -1,6 +1,8 @@
 //! Digests: names of what things are, whatever they are called and wherever they lie.
 
-use std::fs;
+use std::fs::{self, File};
+use std::io::{self, Read as _};
+use std::path::Path;
 use std::sync::OnceLock;
 
 use sha2::{Digest as _, Sha256};
@@ -10,6 +12,24 @@ use crate::failure::Failure;
 /// The SHA-256 of some bytes.
 pub fn sha256(bytes: &[u8]) -> [u8; 32] {
     Sha256::digest(bytes).into()
+}
+
+/// Size and SHA-256, in hexadecimal, of a file.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn file(path: &Path) -> io::Result<(u64, String)> {
+    let (mut file, mut digest, mut bytes) = (File::open(path)?, Running::default(), 0);
+    let mut buffer = vec![0; 1 << 16];
+    loop {
+        match file.read(&mut buffer)? {
+            0 => return Ok((bytes, digest.hex())),
+            read => {
+                digest.add(&buffer[..read]);
+                bytes += read as u64;
+            }
+        }
+    }
 }
 
 /// The first eight bytes of the SHA-256, as a number.

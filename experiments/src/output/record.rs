@@ -31,8 +31,6 @@ pub struct Record {
     pub claims: Vec<Claim>,
     /// This program and the packages that decide the numbers.
     pub versions: BTreeMap<String, String>,
-    /// Every file of the run.
-    pub files: Vec<String>,
 }
 
 /// The merged configuration.

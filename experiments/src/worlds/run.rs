@@ -43,6 +43,8 @@ pub struct Trial {
     pub simulation: Simulation,
     /// What the rays of the whole drive could see.
     pub seen: Sightings,
+    /// At the end of every stage, the cells that a ray has crossed or hit first: the others are unseen.
+    pub reached: Vec<Raster<bool>>,
     /// One per mapper, in the order asked for.
     pub runs: Vec<Run>,
 }
@@ -127,6 +129,7 @@ impl Ground {
     ) -> Result<Trial, Failure> {
         let simulation = scene::simulate(&self.scene, &self.world, &self.drive, seed);
         let mut seen = Sightings::new(&self.truth);
+        let mut reached = Vec::new();
         let sharp = Setup { sensor: Arc::new(self.sharp()), ..setup.clone() };
         let setup = |entry: &Entry| if entry.kind == Kind::NoiseFree { &sharp } else { setup };
         let mut walks: Vec<Walk> = mappers.iter().map(|entry| Walk::new(entry, setup(entry), &self.truth)).collect();
@@ -146,8 +149,9 @@ impl Ground {
                 watch(number, walk.step(self, &now)?.as_ref());
                 Ok::<(), Failure>(())
             })?;
+            reached.extend((0..now.stages).map(|_| seen.looks().map(|looks| *looks > 0)));
         }
-        Ok(Trial { seed, simulation, seen, runs: walks.into_iter().map(|walk| walk.run).collect() })
+        Ok(Trial { seed, simulation, seen, reached, runs: walks.into_iter().map(|walk| walk.run).collect() })
     }
 
     /// The camera that gives noise-free readings, as nearly as a mapper can believe in it: not so sharp that a
@@ -250,6 +254,7 @@ impl Trial {
     /// Forgets readings and maps, and keeps the scores.
     pub fn without_maps(mut self) -> Self {
         self.simulation.scans.clear();
+        self.reached.clear();
         for run in &mut self.runs {
             run.timeline.clear();
             run.frames.clear();

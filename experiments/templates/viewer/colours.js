@@ -75,8 +75,8 @@ function legendOf(view, from, most) {
     return { patches: [["free, held free", css(grey(-9))], ["free, held occupied: phantom", css(grey(9))],
       ["occupied, held occupied", css(overlayColour(grey(9), OCCUPIED))],
       ["occupied, held free: missed", css(overlayColour(grey(-9), OCCUPIED))],
-      ["truth not known", css(INK.unknown)]] };
+      ["never seen, or truth not known", css(INK.unknown)]] };
   }
   return { scale: steps.map((s) => css(grey(9.2 * s - 4.6))), labels: ["p 0.01: free", "0.5", "0.99: occupied"],
-    patches: [["prior", css(grey(from))]] };
+    patches: [["never seen", css(INK.unknown)]] };
 }

@@ -19,7 +19,8 @@ function colouring(scene, codes) {
   const looks = ground.looks[scene.moment];
   if (view === "looks") return (cell) => looksColour(looks[cell], scene.most);
   if (!codes) return (cell) => truthColour(ground.truth[cell]);
-  const grey = (cell) => occupancyColour(codes[cell] * step, from);
+  // Nobody knows anything of a cell that no ray has reached, whatever the mapper expects of it.
+  const grey = (cell) => (looks[cell] === 0 ? INK.unknown : occupancyColour(codes[cell] * step, from));
   if (view === "truth") return (cell) => overlayColour(grey(cell), ground.truth[cell]);
   if (view !== "error") return grey;
   return (cell) => ground.truth[cell] === UNKNOWN

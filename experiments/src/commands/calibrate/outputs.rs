@@ -10,7 +10,7 @@ use super::Calibration;
 use super::options::CalibrateOptions;
 use super::search::Found;
 use crate::failure::Failure;
-use crate::output::folder::{RECORD, Staging};
+use crate::output::folder::Staging;
 use crate::output::record::versions;
 use crate::output::table::{self, Table, rounded};
 
@@ -43,6 +43,9 @@ pub(super) fn table(calibration: &Calibration) -> Table {
     table
 }
 
+/// The files, beside the record.
+pub(super) const FILES: [&str; 3] = ["calibration.csv", "profile.csv", "fit.png"];
+
 /// Writes everything.
 pub(super) fn write(
     mut staging: Staging,
@@ -63,7 +66,6 @@ pub(super) fn write(
     if let Some(picture) = &calibration.picture {
         staging.write("fit.png", |out| out.write_all(picture))?;
     }
-    let files = staging.files_and(&[RECORD]);
     let record = json!({
         "schema_version": 1,
         "command": "calibrate",
@@ -80,7 +82,6 @@ pub(super) fn write(
         "readings": calibration.readings,
         "loss": rounded(calibration.fit.loss.mean),
         "versions": versions(),
-        "files": files,
     });
     staging.record(&record)?;
     staging.publish()

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use super::world::{Job, World};
 use crate::failure::Failure;
 use crate::output::digest;
-use crate::output::folder;
+use crate::output::single;
 
 /// Beginning of the names of folders of finished worlds.
 const PREFIX: &str = ".finished-";
@@ -37,9 +37,7 @@ impl Journal {
     /// The world of a job, if it was finished before. A file that was cut short or changed does not count.
     pub fn read(&self, job: &Job) -> Option<World> {
         let text = fs::read_to_string(self.file(job)).ok()?;
-        let (sum, world) = text.split_once('\n')?;
-        let whole = sum == format!("{:016x}", digest::number(world.as_bytes()));
-        serde_json::from_str(world).ok().filter(|world: &World| whole && world.job == *job)
+        serde_json::from_str(whole(&text)?).ok().filter(|world: &World| world.job == *job)
     }
 
     /// Keeps a finished world: whole or not at all.
@@ -51,25 +49,40 @@ impl Journal {
         let text = serde_json::to_string(world).map_err(Failure::internal)?;
         let text = format!("{:016x}\n{text}", digest::number(text.as_bytes()));
         let written =
-            fs::create_dir_all(&self.folder).and_then(|()| folder::whole(&path, |out| out.write_all(text.as_bytes())));
+            fs::create_dir_all(&self.folder).and_then(|()| single::whole(&path, |out| out.write_all(text.as_bytes())));
         written.map_err(|e| {
             let _ = fs::remove_dir(&self.folder); // refused by the system unless it is empty
             Failure::write(&path, &e)
         })
     }
 
-    /// Removes the journals of the output folder, of whatever configuration: its results are complete.
+    /// Removes the journals of the output folder, of whatever configuration: its results are complete. What is no
+    /// journal of ours stays.
     pub fn clear(out: &Path) {
-        for entry in fs::read_dir(out).into_iter().flatten().flatten() {
-            if entry.file_name().to_string_lossy().starts_with(PREFIX) {
-                let _ = fs::remove_dir_all(entry.path());
+        let journal = |name: &str| {
+            let digest = name.strip_prefix(PREFIX)?;
+            (digest.len() == 16 && u64::from_str_radix(digest, 16).is_ok()).then_some(())
+        };
+        let folders = fs::read_dir(out).into_iter().flatten().flatten();
+        for folder in folders.filter(|entry| journal(&entry.file_name().to_string_lossy()).is_some()) {
+            for kept in fs::read_dir(folder.path()).into_iter().flatten().flatten().map(|entry| entry.path()) {
+                if fs::read_to_string(&kept).is_ok_and(|text| whole(&text).is_some()) {
+                    let _ = fs::remove_file(kept);
+                }
             }
+            let _ = fs::remove_dir(folder.path()); // refused by the system unless it is empty
         }
     }
 
     fn file(&self, job: &Job) -> PathBuf {
         self.folder.join(format!("{}-{}-{}.json", job.family, job.condition, job.seed))
     }
+}
+
+/// The world in the text of a file that is as it was written.
+fn whole(text: &str) -> Option<&str> {
+    let (sum, world) = text.split_once('\n')?;
+    (sum == format!("{:016x}", digest::number(world.as_bytes()))).then_some(world)
 }
 
 #[cfg(test)]
@@ -113,8 +126,13 @@ mod tests {
             fs::write(journal.file(&world(1).job), wrong).expect("writable");
             assert_eq!(journal.read(&world(1).job), None, "{why}");
         }
+        fs::write(journal.file(&world(1).job), &kept).expect("writable");
+        let foreign = out.path().join(format!("{PREFIX}notes"));
+        fs::create_dir(&foreign).expect("writable");
+        fs::write(foreign.join("mine.txt"), "keep").expect("writable");
         Journal::clear(out.path());
-        assert_eq!(fs::read_dir(out.path()).expect("there").count(), 0);
+        assert!(!journal.folder.exists());
+        assert!(foreign.join("mine.txt").exists(), "a folder whose name only begins like ours");
     }
 
     #[test]

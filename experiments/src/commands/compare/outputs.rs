@@ -11,7 +11,8 @@ use super::rows::{self, Rows};
 use super::{Findings, document, tables};
 use crate::failure::Failure;
 use crate::figures;
-use crate::output::folder::{RECORD, Staging};
+use crate::output::folder::Staging;
+use crate::output::ledger::RECORD;
 use crate::output::record::versions;
 use crate::output::table::Table;
 use crate::page::{self, Viewer};
@@ -25,7 +26,6 @@ pub struct Record {
     configuration: Configuration,
     claims: Vec<Claim>,
     versions: BTreeMap<String, String>,
-    files: Vec<String>,
 }
 
 #[derive(Debug, Serialize)]
@@ -63,7 +63,6 @@ pub fn record(plan: &Plan) -> Record {
         },
         claims: Vec::new(),
         versions: versions(),
-        files: Vec::new(),
     }
 }
 
@@ -78,6 +77,22 @@ pub fn rows(plan: &Plan, findings: &Findings) -> Result<Rows, Failure> {
         repeats: rows::of(&tables::repeats(&findings.repeated))?,
     })
 }
+
+/// The files, beside the record.
+pub const FILES: [&str; 12] = [
+    "scores.csv",
+    "summary.csv",
+    "differences.csv",
+    "reliability.csv",
+    "profiles.csv",
+    "repeats.csv",
+    "differences.png",
+    "reliability.png",
+    "profiles.png",
+    "repeats.png",
+    "summary.md",
+    "report.html",
+];
 
 /// Writes everything.
 ///
@@ -116,8 +131,8 @@ pub fn write(
     let markdown = document::markdown(plan, claims, &document::sections(plan, rows, &pictures));
     staging.write("summary.md", |out| out.write_all(markdown.as_bytes()))?;
     record.claims.clone_from(claims);
-    record.files = staging.files_and(&["report.html", RECORD]);
-    let json = serde_json::to_value(&record).map_err(Failure::internal)?;
+    let mut json = serde_json::to_value(&record).map_err(Failure::internal)?;
+    json["files"] = staging.files_and(&["report.html", RECORD]).into();
     let html = page::page(&document::page(plan, rows, &json, &pictures, viewer)?)?;
     staging.write("report.html", |out| out.write_all(html.as_bytes()))?;
     staging.record(&record)

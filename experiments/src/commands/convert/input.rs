@@ -7,7 +7,7 @@ use grid::{GridSpec, Raster, npy};
 
 use super::{ConvertOptions, Map, Origin, extension};
 use crate::failure::Failure;
-use crate::output::folder::RECORD;
+use crate::output::ledger::RECORD;
 
 /// Reads the map that the options name, and puts it where they say.
 pub(super) fn read(options: &ConvertOptions) -> Result<Map, Failure> {

@@ -1,15 +1,13 @@
 //! Writing maps: all files of one, or none.
 
-use std::fs::{self, File};
-use std::io::{self, Write as _};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use grid::npy;
 use grid::ros_map::{self, Coding, Mode, Shades};
 
 use super::{ConvertOptions, Map, extension, graded};
 use crate::failure::Failure;
-use crate::output::folder::Temporary;
+use crate::output::single::Whole;
 
 /// What is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,12 +32,6 @@ impl Kind {
             ))),
         }
     }
-}
-
-/// A file with all that goes into it.
-pub(super) struct Whole {
-    pub(super) path: PathBuf,
-    bytes: Vec<u8>,
 }
 
 /// The files of a map, an image before the YAML file that names it.
@@ -90,47 +82,4 @@ fn pair(map: &Map, coding: &Coding, out: &Path) -> Result<Vec<Whole>, Failure> {
 
 fn shades(map: &Map, coding: &Coding, out: &Path) -> Result<Shades, Failure> {
     Shades::of(&map.occupancy, coding).map_err(|error| Failure::BadInput(format!("{}: {error}", out.display())))
-}
-
-/// Gives all files their names, none of which may be a source.
-///
-/// A former YAML file goes before its image is replaced: whatever happens, no YAML file stands beside an image of another map.
-pub(super) fn publish(files: &[Whole], sources: &[PathBuf]) -> Result<(), Failure> {
-    for Whole { path, .. } in files {
-        let place = fs::canonicalize(path).ok();
-        if place.is_some() && sources.iter().any(|source| fs::canonicalize(source).ok() == place) {
-            return Err(Failure::BadInput(format!(
-                "{}: is read from; choose another name to write to",
-                path.display()
-            )));
-        }
-        if path.is_dir() {
-            return Err(Failure::BadInput(format!("{}: is a folder where a file is to go; remove it", path.display())));
-        }
-    }
-    let refused = |path: &Path, error: &io::Error| {
-        Failure::BadInput(format!("{}: cannot be written: {error}; choose another place for OUT", path.display()))
-    };
-    let mut ready = Vec::new();
-    for Whole { path, bytes } in files {
-        let temporary = Temporary::beside(path);
-        let written = File::create(temporary.path()).and_then(|mut file| {
-            file.write_all(bytes)?;
-            file.sync_all()
-        });
-        written.map_err(|error| refused(path, &error))?;
-        ready.push((temporary, path));
-    }
-    for (_, path) in
-        ready.iter().filter(|(_, path)| files.len() > 1 && extension(path) != "pgm" && extension(path) != "png")
-    {
-        match fs::remove_file(path) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(refused(path, &error)),
-            _ => {}
-        }
-    }
-    for (temporary, path) in ready {
-        temporary.publish(path).map_err(|error| refused(path, &error))?;
-    }
-    Ok(())
 }

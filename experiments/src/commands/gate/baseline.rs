@@ -11,7 +11,7 @@ use super::measure::{Key, Values};
 use super::world::{MICROMETRES, World};
 use crate::commands::compare::conditions::condition;
 use crate::failure::Failure;
-use crate::output::folder;
+use crate::output::single;
 use crate::output::table::{Table, optional};
 
 const COLUMNS: [&str; 8] = ["mapper", "metric", "region", "family", "condition", "grid", "seed", "value"];
@@ -103,7 +103,7 @@ pub fn text(values: &Values) -> Result<Vec<u8>, Failure> {
 /// Whatever the system reports; the former file is then as it was.
 pub fn write(path: &Path, values: &Values) -> Result<(), Failure> {
     let bytes = text(values)?;
-    folder::whole(path, |out| out.write_all(&bytes)).map_err(|error| Failure::write(path, &error))
+    single::whole(path, |out| out.write_all(&bytes)).map_err(|error| Failure::write(path, &error))
 }
 
 /// Whether every gate has all its baselines.

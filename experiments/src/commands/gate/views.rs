@@ -9,6 +9,15 @@ use super::tables::{account, bound, difference};
 use super::verdict::{Outcome, Verdict};
 use crate::failure::Failure;
 
+/// The first line of XML.
+const HEAD: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
+
+/// How JUnit files of ours begin ...
+pub const JUNIT: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites tests=\"";
+
+/// ... and those in Markdown.
+pub const MARKDOWN: &str = "### Maps: ";
+
 /// The outcome as JUnit XML: a test case per gate, its mapper as the class.
 ///
 /// # Errors
@@ -17,7 +26,7 @@ pub fn junit(outcomes: &[Outcome], file: &str) -> Result<Vec<u8>, Failure> {
     let count = |verdict| outcomes.iter().filter(|o| o.verdict == verdict).count().to_string();
     let (tests, failures, errors) = (outcomes.len().to_string(), count(Verdict::Fail), count(Verdict::Error));
     let counts = [("tests", tests.as_str()), ("failures", &failures), ("errors", &errors)];
-    let mut xml = Writer::new_with_indent(b"<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n".to_vec(), b' ', 2);
+    let mut xml = Writer::new_with_indent(HEAD.as_bytes().to_vec(), b' ', 2);
     let suites = xml.create_element("testsuites").with_attributes(counts);
     let written = suites.write_inner_content(|xml| {
         let suite = xml.create_element("testsuite").with_attribute(("name", printable(file).as_str()));
@@ -62,8 +71,8 @@ fn printable(text: &str) -> String {
 pub fn markdown(outcomes: &[Outcome], heading: &str) -> String {
     let failing: Vec<&Outcome> = outcomes.iter().filter(|outcome| outcome.verdict != Verdict::Pass).collect();
     let mut text = match failing.len() {
-        0 => format!("### Maps: all {} gates pass\n\n", outcomes.len()),
-        n => format!("### Maps: {n} of {} gates fail\n\n", outcomes.len()),
+        0 => format!("{MARKDOWN}all {} gates pass\n\n", outcomes.len()),
+        n => format!("{MARKDOWN}{n} of {} gates fail\n\n", outcomes.len()),
     };
     text += &format!("{}\n\n", cell(heading));
     for outcome in failing {

@@ -10,6 +10,7 @@ use sensor::{Laser, Stereo};
 use super::Shared;
 use crate::cli::{Belief, Format, MOST_THREADS, count, positive, probability};
 use crate::failure::Failure;
+use crate::output::folder;
 
 /// Mappers where none are named: those that a robot would run, and what knows nothing.
 const MAPPERS: &str = "visibility,conventional,log-odds-octomap,log-odds-cartographer,prior";
@@ -152,9 +153,11 @@ impl ReplayOptions {
 
     /// Where the files go.
     pub(super) fn out(&self) -> PathBuf {
-        let name = self.log.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-        let stem = name.split('.').next().filter(|stem| !stem.is_empty()).unwrap_or("log");
-        self.out.clone().unwrap_or_else(|| Path::new("results").join(format!("replay-{stem}")))
+        let usual = || {
+            let base = Path::new("results").join(format!("replay-{}", stem(&self.log)));
+            folder::for_source(&base, &self.log, |record| record["configuration"]["log"].as_str().map(PathBuf::from))
+        };
+        self.out.clone().unwrap_or_else(usual)
     }
 
     /// What the mappers know of the sensor that took the log.
@@ -174,6 +177,16 @@ impl ReplayOptions {
     }
 }
 
+/// The name of a log without the extensions that say its form.
+fn stem(log: &Path) -> String {
+    let name = Path::new(log.file_name().unwrap_or_default());
+    let packed =
+        ["gz", "bz2", "xz", "zst"].iter().any(|known| name.extension().is_some_and(|e| e.eq_ignore_ascii_case(known)));
+    let name = if packed { Path::new(name.file_stem().unwrap_or_default()) } else { name };
+    let stem = name.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    if stem.is_empty() { "log".to_owned() } else { stem }
+}
+
 const FORMATS: &str = "\
 Logs of lasers: CARMEN (FLASER, ROBOTLASER1; other messages are skipped and counted), and tables (CSV) with the columns \
 scan,x_m,y_m,theta_rad,bearing_rad,range_m, and time_s if there are times; range_m is inf where no echo came back, and empty \
@@ -183,3 +196,23 @@ The score is the mean of -ln P(reading | map) over the readings of scans kept ba
 model predicts for all maps: the likelihood of the reading over the first occupied cell on its ray under the map's own \
 probabilities; a row NAME-chain is the same with the joint probabilities of neighbours, for maps that hold them. Intervals \
 are 95 % by a bootstrap of blocks of scans that follow each other.";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_name_of_a_log_keeps_its_dots() {
+        for (log, expected) in [
+            ("2026-11-26.a.log", "2026-11-26.a"),
+            ("2026-11-26.b.log.gz", "2026-11-26.b"),
+            ("day1/run.csv", "run"),
+            ("run.CLF.BZ2", "run"),
+            ("run", "run"),
+            ("v1.2", "v1"),
+            ("..", "log"),
+        ] {
+            assert_eq!(stem(Path::new(log)), expected, "{log}");
+        }
+    }
+}

@@ -3,20 +3,21 @@
 use std::fmt::Write as _;
 use std::io::{self, Write as _};
 
-use grid::ros_map::{self, Coding, Shades};
-use grid::{Raster, npy};
+use grid::Raster;
 use logs::Sensor;
-use mapper::catalogue::Setup;
+use mapper::catalogue::{Entry, Setup};
 use score::SeriesMean;
 use serde_json::{Value, json};
 
+use super::Maps;
 use super::extent::Survey;
 use super::options::{LaserOptions, ReplayOptions, StereoOptions};
 use super::predictions::{Predictions, Row};
-use super::{Map, Maps};
 use crate::failure::Failure;
 use crate::figures;
-use crate::output::folder::{RECORD, Staging};
+use crate::output;
+use crate::output::folder::Staging;
+use crate::output::ledger::RECORD;
 use crate::output::record::versions;
 use crate::output::table::{self, Table};
 use crate::page::{self, Page, Part, Picture, Section, Sheet};
@@ -30,17 +31,23 @@ pub(super) struct Told<'a> {
     pub(super) predictions: &'a Predictions,
 }
 
+/// Every file that may come of it, beside the record.
+pub(super) fn names(entries: &[&Entry]) -> Vec<String> {
+    let fixed = ["predictions.csv", "differences.csv", "maps.png", "report.html"].map(str::to_owned);
+    fixed.into_iter().chain(entries.iter().flat_map(|entry| output::map::names(entry.name))).collect()
+}
+
 /// Writes everything.
 pub(super) fn write(staging: &mut Staging, told: &Told) -> Result<(), Failure> {
     let (scores, differences) = (told.predictions.table(), told.predictions.differences());
     csv(staging, "predictions.csv", &scores)?;
     csv(staging, "differences.csv", &differences)?;
     for map in &told.maps.maps {
-        save(staging, map, &told.maps.seen)?;
+        output::map::write(staging, map.mapper, &map.occupancy, &told.maps.seen)?;
     }
     let drawn: Vec<(&str, &Raster<f64>)> =
         told.maps.maps.iter().map(|map| (map.mapper, &map.occupancy)).filter(|(name, _)| *name != "prior").collect();
-    let bytes = figures::replay::draw(&drawn, told.setup.prior.marginal(), &told.survey.path)?;
+    let bytes = figures::replay::draw(&drawn, &told.maps.seen, told.setup.prior.marginal(), &told.survey.path)?;
     staging.write("maps.png", |out| out.write_all(&bytes))?;
     let picture = Picture { name: "maps.png".to_owned(), caption: figures::replay::CAPTION.to_owned(), bytes };
     let configuration = configuration(told);
@@ -64,7 +71,7 @@ pub(super) fn write(staging: &mut Staging, told: &Told) -> Result<(), Failure> {
             section("What is in the log", "", vec![Part::Sheet(Sheet::of("Counts", &counts(told)))]),
         ],
         configuration: serde_json::to_string_pretty(&configuration).map_err(Failure::internal)?,
-        files: files.clone(),
+        files,
     };
     let html = page::page(&page)?;
     staging.write("report.html", |out| out.write_all(html.as_bytes()))?;
@@ -74,24 +81,8 @@ pub(super) fn write(staging: &mut Staging, told: &Told) -> Result<(), Failure> {
         "configuration": configuration,
         "grid": told.setup.grid,
         "versions": versions(),
-        "files": files,
     });
     staging.record(&record)
-}
-
-/// The map as numpy reads it, and as a robot does; cells in which no beam was are unknown to the latter.
-fn save(staging: &mut Staging, map: &Map, seen: &Raster<bool>) -> Result<(), Failure> {
-    let mapper = map.mapper;
-    staging.write(&format!("{mapper}.npy"), |out| npy::write(&map.occupancy.map(|p| *p as f32), out))?;
-    let spec = *map.occupancy.spec();
-    let known = |cell: usize| seen[cell].then(|| map.occupancy[cell] as f32);
-    let known = Raster::new(spec, (0..spec.cells()).map(known).collect());
-    let coding = Coding::default();
-    let shades = Shades::of(&known, &coding).map_err(Failure::internal)?;
-    let image = format!("{mapper}.pgm");
-    staging.write(&image, |out| shades.pgm(out))?;
-    let yaml = ros_map::describe(&spec, 0.0, &coding, &image);
-    staging.write(&format!("{mapper}.yaml"), |out| out.write_all(yaml.as_bytes()))
 }
 
 fn csv(staging: &mut Staging, name: &str, table: &Table) -> Result<(), Failure> {
@@ -172,7 +163,7 @@ fn configuration(told: &Told) -> Value {
         }),
     };
     json!({
-        "log": name(options),
+        "log": options.log.display().to_string(),
         "trajectory": options.trajectory.as_ref().and_then(|path| path.file_name()).map(|name| name.to_string_lossy()),
         "mappers": told.maps.maps.iter().map(|map| map.mapper).collect::<Vec<_>>(),
         "hold_out": options.hold_out,

@@ -16,7 +16,7 @@ use crate::commands::compare::rows::{self, Rows};
 use crate::commands::compare::{document, outputs, showcase, tables};
 use crate::failure::Failure;
 use crate::figures::comparison::CAPTIONS;
-use crate::output::folder::RECORD;
+use crate::output::ledger::RECORD;
 use crate::page;
 
 /// What the page of a comparison needs of its record.

@@ -10,7 +10,7 @@ use serde_json::Value;
 
 use crate::cli::{Belief, Edges, Law};
 use crate::failure::Failure;
-use crate::output::folder::RECORD;
+use crate::output::ledger::RECORD;
 use crate::output::table::Table;
 use crate::page::Picture;
 
@@ -30,9 +30,16 @@ impl Folder<'_> {
         })
     }
 
+    /// The record, with the names of all files alone under `files`.
     pub(super) fn record(&self) -> Result<Value, Failure> {
-        serde_json::from_slice(&self.read(RECORD)?)
-            .map_err(|e| self.refuse(RECORD, &format!("is no record of a run: {e}")))
+        let mut record: Value = serde_json::from_slice(&self.read(RECORD)?)
+            .map_err(|e| self.refuse(RECORD, &format!("is no record of a run: {e}")))?;
+        let files = record["files"].as_array().into_iter().flatten();
+        let names = files.filter_map(|file| file["name"].as_str()).chain([RECORD]);
+        let mut names: Vec<String> = names.map(str::to_owned).collect();
+        names.sort();
+        record["files"] = names.into();
+        Ok(record)
     }
 
     pub(super) fn understand<T: DeserializeOwned>(&self, record: &Value) -> Result<T, Failure> {

@@ -2,13 +2,16 @@
 
 use std::io::{self, Write as _};
 
-use grid::{Raster, npy};
+use grid::npy;
+use mapper::catalogue::Entry;
 use serde_json::{Value, json};
 
 use super::document;
 use crate::failure::Failure;
 use crate::figures;
-use crate::output::folder::{RECORD, Staging};
+use crate::output;
+use crate::output::folder::Staging;
+use crate::output::ledger::RECORD;
 use crate::output::record::{Record, Stage};
 use crate::output::summary::over_seeds;
 use crate::output::table::{Table, optional, rounded};
@@ -41,6 +44,17 @@ pub(super) fn metrics(ground: &Ground, trials: &[Trial], stages: &[Stage]) -> Ta
     table
 }
 
+/// Every file that may come of it, beside the record.
+pub(super) fn names(ground: &Ground, mappers: &[&Entry]) -> Vec<String> {
+    let tables = ["metrics.csv", "summary.csv", "scans.csv", "timeline.csv", "truth.npy", "report.html"];
+    let pictures = document::PICTURES.map(|(name, _)| name);
+    let stages = || ground.scene.stages.iter().map(|stage| &stage.name);
+    let maps = mappers
+        .iter()
+        .flat_map(|entry| stages().flat_map(|stage| output::map::names(&format!("{}-{stage}", entry.name))));
+    tables.into_iter().chain(pictures).map(str::to_owned).chain(maps).collect()
+}
+
 /// Writes everything; readings, maps and pictures are those of the first seed.
 pub(super) fn write(
     staging: &mut Staging,
@@ -49,7 +63,7 @@ pub(super) fn write(
     stages: &[Stage],
     frames: &[usize],
     metrics: &Table,
-    record: &mut Record,
+    record: &Record,
 ) -> Result<(), Failure> {
     let first = &trials[0];
     csv(staging, "metrics.csv", metrics)?;
@@ -61,17 +75,16 @@ pub(super) fn write(
     let truth = ground.truth.map(|cell| cell.map_or(f32::NAN, |occupied| f32::from(u8::from(occupied))));
     staging.write("truth.npy", |out| npy::write(&truth, out))?;
     for run in &first.runs {
-        for (stage, map) in stages.iter().zip(&run.stages) {
-            let name = format!("{}-{}.npy", run.mapper, stage.name);
-            staging.write(&name, |out| npy::write(&six_decimals(&map.occupancy), out))?;
+        for ((stage, map), reached) in stages.iter().zip(&run.stages).zip(&first.reached) {
+            output::map::write(staging, &format!("{}-{}", run.mapper, stage.name), &map.occupancy, reached)?;
         }
     }
     let pictures = pictures(staging, ground, first, stages)?;
-    record.files = staging.files_and(&["report.html", RECORD]);
     let mut csv = Vec::new();
     metrics.write_csv(&mut csv).map_err(Failure::internal)?;
     let rows = document::rows(&csv).map_err(Failure::internal)?;
-    let json = serde_json::to_value(&*record).map_err(Failure::internal)?;
+    let mut json = serde_json::to_value(record).map_err(Failure::internal)?;
+    json["files"] = staging.files_and(&["report.html", RECORD]).into();
     let viewer = Viewer { worlds: vec![World::new(ground, first, stages, frames)] };
     let html = page::page(&document::page(ground, stages, &json, &rows, pictures, viewer)?)?;
     staging.write("report.html", |out| out.write_all(html.as_bytes()))?;
@@ -146,11 +159,6 @@ fn timeline(trial: &Trial) -> Table {
         }
     }
     table
-}
-
-/// Rounded, so that committed maps survive another machine.
-fn six_decimals(map: &Raster<f64>) -> Raster<f32> {
-    map.map(|p| ((p * 1e6).round() / 1e6) as f32)
 }
 
 /// Draws every picture and hands them on for the report.

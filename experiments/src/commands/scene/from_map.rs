@@ -6,7 +6,7 @@ use scene::{MadeScene, MakeError, SurveyOptions};
 
 use crate::cli::FromMapOptions;
 use crate::failure::Failure;
-use crate::output::folder;
+use crate::output::single::{self, Existing, Whole};
 use crate::output::table;
 
 /// Which of the two is read.
@@ -36,6 +36,7 @@ pub fn run(options: &FromMapOptions, kind: Kind) -> Result<(), Failure> {
     survey.camera.field_of_view_rad = options.camera_field_of_view.to_radians();
     if let Some(path) = &options.out {
         refuse_sources(path, &options.file)?;
+        single::refuse_taken(path, &[&options.file], Existing::forced(options.force))?;
     }
     // Printed scenes are for the folder one is in.
     let out = options.out.clone().unwrap_or_else(|| PathBuf::from("scene.toml"));
@@ -47,7 +48,8 @@ pub fn run(options: &FromMapOptions, kind: Kind) -> Result<(), Failure> {
     match &options.out {
         None => table::print(&made.text),
         Some(path) => {
-            folder::replace(path, made.text.as_bytes())?;
+            let whole = Whole { path: path.clone(), bytes: made.text.clone().into_bytes() };
+            single::put(&[whole], &[&options.file], Existing::forced(options.force))?;
             table::print(&summary(path, &made, options.range))
         }
     }

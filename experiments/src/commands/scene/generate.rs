@@ -4,7 +4,7 @@ use scene::{Family, Variation};
 
 use crate::cli::GenerateOptions;
 use crate::failure::Failure;
-use crate::output::folder;
+use crate::output::single::{self, Existing, Whole};
 use crate::output::table;
 
 /// Prints the scene file, or writes it.
@@ -16,12 +16,8 @@ pub fn run(options: &GenerateOptions) -> Result<(), Failure> {
     let text = Family::load(&options.family)?.generate(options.layout, &variation)?;
     match &options.out {
         Some(path) => {
-            let place = |path| std::fs::canonicalize(path).ok();
-            if place(path).is_some() && place(path) == place(&options.family) {
-                let message = format!("--out: {}: is the family itself; choose another file", path.display());
-                return Err(Failure::BadInput(message));
-            }
-            folder::replace(path, text.as_bytes())
+            let whole = Whole { path: path.clone(), bytes: text.into_bytes() };
+            single::put(&[whole], &[&options.family], Existing::forced(options.force))
         }
         None => table::print(&text),
     }

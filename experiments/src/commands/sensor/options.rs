@@ -15,9 +15,9 @@ pub struct SensorOptions {
     /// Range in metres of the obstacle whose readings Figure 6 shows [default: where the disparity is a sixth of the search range]
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive)]
     pub range: Option<f64>,
-    /// Folder for tables, pictures and record, written whole or not at all
-    #[arg(long, value_name = "DIR", default_value = "results/sensor")]
-    pub out: PathBuf,
+    /// Folder for tables, pictures and record, written whole or not at all [default: results/sensor]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
     /// Form of the table on stdout
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,

@@ -8,13 +8,16 @@ use super::View;
 use crate::failure::Failure;
 use crate::figures;
 use crate::figures::kernel::Kernel;
-use crate::output::folder::{RECORD, Staging};
+use crate::output::folder::Staging;
 use crate::output::record::versions;
 use crate::output::table::{Table, rounded};
 use crate::worlds::claims::Claim;
 
 /// Points of the curve of Figure 6 and rows of Figure 7.
 const DISPARITIES: usize = 600;
+
+/// The files, beside the record.
+pub(super) const FILES: [&str; 4] = ["density.csv", "density.png", "kernel.csv", "kernel.png"];
 
 impl View {
     pub(super) fn write(&self, staging: &mut Staging, scene: &str, claims: &[Claim]) -> Result<(), Failure> {
@@ -57,7 +60,6 @@ impl View {
     }
 
     fn record(&self, staging: &mut Staging, scene: &str, claims: &[Claim]) -> Result<(), Failure> {
-        let files = staging.files_and(&[RECORD]);
         let record = json!({
             "schema_version": 1,
             "command": "sensor",
@@ -69,7 +71,6 @@ impl View {
             },
             "claims": claims,
             "versions": versions(),
-            "files": files,
         });
         staging.record(&record)
     }

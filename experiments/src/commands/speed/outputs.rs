@@ -8,8 +8,11 @@ use super::growth::{self, Curve};
 use super::measure::Speed;
 use super::tables::{self, Conditions};
 use crate::failure::Failure;
-use crate::output::folder::{RECORD, Staging};
+use crate::output::folder::Staging;
 use crate::output::record::versions;
+
+/// The files, beside the record.
+pub(super) const FILES: [&str; 3] = ["speed.csv", "growth.csv", "growth.png"];
 
 /// Writes tables, picture and record.
 ///
@@ -29,7 +32,6 @@ pub(super) fn write(
         let picture = growth::draw(curves)?;
         staging.write("growth.png", |out| out.write_all(&picture))?;
     }
-    let files = staging.files_and(&[RECORD]);
     let record = json!({
         "schema_version": 1,
         "command": "speed",
@@ -42,7 +44,6 @@ pub(super) fn write(
         "grid": conditions.grid,
         "processor": conditions.processor,
         "versions": versions(),
-        "files": files,
     });
     staging.record(&record)?;
     staging.publish()

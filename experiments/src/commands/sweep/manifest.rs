@@ -134,6 +134,26 @@ impl Manifest {
         Ok(manifest)
     }
 
+    /// Whether a file begins as a manifest does, whatever has become of the rest of it.
+    fn begins(path: &Path) -> bool {
+        let mut line = Vec::new();
+        let read = File::open(path).map(|file| BufReader::new(file).read_until(b'\n', &mut line));
+        read.is_ok() && serde_json::from_slice::<Head>(&line).is_ok()
+    }
+
+    /// The mappers of every job.
+    ///
+    /// # Errors
+    /// As [`each_job`](Self::each_job).
+    pub fn mappers(&self) -> Result<Vec<String>, Failure> {
+        let mut mappers = Vec::new();
+        self.each_job(0, |_, job| {
+            mappers = job.mappers;
+            Ok(ControlFlow::Break(()))
+        })?;
+        Ok(mappers)
+    }
+
     /// Refuses to run what another build has planned, and worlds whose files have changed since.
     ///
     /// # Errors

@@ -1,50 +1,55 @@
 //! All shards as one table.
 
-use std::fs::File;
-use std::io::{self, BufWriter, Write as _};
-use std::path::Path;
+use std::io::{self, Write};
 
 use super::manifest::Manifest;
 use super::row::columns;
 use super::shard::{self, State};
 use crate::failure::Failure;
-use crate::output::folder::Temporary;
 
-/// Writes the table of a sweep, sorted by job, whole or not at all: since shards are runs of that order, their rows
-/// follow each other.
+/// What came of a merge.
+#[derive(Debug, Default)]
+pub struct Merged {
+    rows: u64,
+    /// Shards that are missing or not whole.
+    gaps: Vec<u32>,
+}
+
+/// Writes the table of a sweep, sorted by job: since shards are runs of that order, their rows follow each other.
 ///
 /// # Errors
-/// Shards that are missing or not whole, with their numbers; I/O.
-pub fn merge(manifest: &Manifest, out: &Path) -> Result<u64, Failure> {
-    let mut gaps = Vec::new();
-    let mut rows = 0;
-    let partial = Temporary::beside(out);
-    let write = |gaps: &mut Vec<u32>, rows: &mut u64| -> io::Result<()> {
-        let mut file = BufWriter::new(File::create(partial.path())?);
-        let mut head = csv::Writer::from_writer(Vec::new());
-        head.write_record(columns(&manifest.head.keys)).map_err(io::Error::other)?;
-        file.write_all(&head.into_inner().map_err(|e| io::Error::other(e.to_string()))?)?;
-        for number in 0..manifest.head.shards {
-            match shard::copy(manifest, number, &mut file)? {
-                State::Done { rows: more } => *rows += more,
-                State::Missing | State::Invalid => gaps.push(number),
-            }
+/// An `out` that cannot be written.
+pub fn merge(manifest: &Manifest, out: &mut impl Write) -> io::Result<Merged> {
+    let mut head = csv::Writer::from_writer(Vec::new());
+    head.write_record(columns(&manifest.head.keys)).map_err(io::Error::other)?;
+    out.write_all(&head.into_inner().map_err(|e| io::Error::other(e.to_string()))?)?;
+    let mut merged = Merged::default();
+    for number in 0..manifest.head.shards {
+        match shard::copy(manifest, number, out)? {
+            State::Done { rows } => merged.rows += rows,
+            State::Missing | State::Invalid => merged.gaps.push(number),
         }
-        file.flush()?;
-        file.get_ref().sync_all()
-    };
-    write(&mut gaps, &mut rows).map_err(|e| Failure::write(out, &e))?;
-    if !gaps.is_empty() {
-        return Err(Failure::BadInput(format!(
+    }
+    Ok(merged)
+}
+
+impl Merged {
+    /// The number of rows of a whole table.
+    ///
+    /// # Errors
+    /// Shards that are missing or not whole, with their numbers.
+    pub fn whole(self, manifest: &Manifest) -> Result<u64, Failure> {
+        if self.gaps.is_empty() {
+            return Ok(self.rows);
+        }
+        Err(Failure::BadInput(format!(
             "{}: {} of {} shards are missing, cut short, or of another manifest: {}; run them with `sweep run`",
             manifest.folder.display(),
-            gaps.len(),
+            self.gaps.len(),
             manifest.head.shards,
-            abridged(&shard::ranges(&gaps))
-        )));
+            abridged(&shard::ranges(&self.gaps))
+        )))
     }
-    partial.publish(out).map_err(|e| Failure::write(out, &e))?;
-    Ok(rows)
 }
 
 /// A list for a message.

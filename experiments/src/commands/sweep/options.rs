@@ -147,6 +147,9 @@ pub struct MergeOptions {
     /// File to write [default: table.csv in the folder]
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
+    /// Replace the file if it is there already
+    #[arg(long, requires = "out")]
+    pub force: bool,
 }
 
 /// Options of `sweep slurm`.

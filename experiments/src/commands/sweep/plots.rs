@@ -7,12 +7,10 @@ use std::path::Path;
 
 use plotters::prelude::SeriesLabelPosition;
 
-use super::TABLE;
 use super::parameters::PARAMETERS;
 use crate::failure::Failure;
 use crate::figures::chart::{self, Axis, Chart, Mark, Series};
 use crate::figures::ink::LINES;
-use crate::output::folder;
 
 /// Columns that are drawn, with their regions and titles.
 const PANELS: [Panel; 3] = [
@@ -65,26 +63,27 @@ struct Key {
     x: String,
 }
 
-/// Draws a sheet for each mapper and gives the names of the files.
+/// The files of a mapper's sheets.
+pub fn names(mapper: &str) -> [String; 2] {
+    [format!("{mapper}.png"), format!("{mapper}-range-by-looks.png")]
+}
+
+/// Draws the sheets of each mapper from a merged table: names of files and PNG.
 ///
 /// # Errors
 /// No table; a drawing that fails; I/O.
-pub fn draw(folder: &Path) -> Result<Vec<String>, Failure> {
-    let Some(means) = read(&folder.join(TABLE))? else { return Ok(Vec::new()) };
-    let mut names = Vec::new();
+pub fn draw(table: &Path) -> Result<Vec<(String, Vec<u8>)>, Failure> {
+    let Some(means) = read(table)? else { return Ok(Vec::new()) };
+    let mut sheets = Vec::new();
     for mapper in &means.mappers {
-        for (charts, columns, name) in [
-            (means.charts(mapper), PANELS.len(), format!("{mapper}.png")),
-            (means.range_by_looks(mapper), 1, format!("{mapper}-range-by-looks.png")),
-        ] {
+        let kinds = [(means.charts(mapper), PANELS.len()), (means.range_by_looks(mapper), 1)];
+        for ((charts, columns), name) in kinds.into_iter().zip(names(mapper)) {
             if !charts.is_empty() {
-                let picture = chart::sheet(&charts, columns.min(charts.len()), (640, 520))?;
-                folder::replace(&folder.join(&name), &picture)?;
-                names.push(name);
+                sheets.push((name, chart::sheet(&charts, columns.min(charts.len()), (640, 520))?));
             }
         }
     }
-    Ok(names)
+    Ok(sheets)
 }
 
 /// The mean over fewer cells than this says nothing.
@@ -296,10 +295,9 @@ mod tests {
     fn drawn(rows: &str) -> Result<(Vec<String>, Vec<Vec<u8>>), Failure> {
         let folder = tempfile::tempdir().expect("temporary folder");
         let text = format!("id,scene,seed,grid,mapper,region,cells,log_loss,brier,error\n{rows}");
-        std::fs::write(folder.path().join(TABLE), text).expect("writable");
-        let names = draw(folder.path())?;
-        let pictures = names.iter().map(|name| std::fs::read(folder.path().join(name)).expect("drawn")).collect();
-        Ok((names, pictures))
+        let table = folder.path().join("table.csv");
+        std::fs::write(&table, text).expect("writable");
+        Ok(draw(&table)?.into_iter().unzip())
     }
 
     #[test]
@@ -314,7 +312,7 @@ mod tests {
     #[test]
     fn the_mean_over_worlds_is_of_those_with_a_value() {
         let folder = tempfile::tempdir().expect("temporary folder");
-        let path = folder.path().join(TABLE);
+        let path = folder.path().join("table.csv");
         let text = "grid,mapper,region,cells,log_loss,brier,error\n0.1,prior,observable,9,0.5,0.2,\n\
                     0.1,prior,observable,9,0.7,0.4,\n0.1,prior,,,,,lost\n0.2,prior,observable,9,0.9,,\n";
         std::fs::write(&path, text).expect("writable");

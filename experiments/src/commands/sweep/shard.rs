@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::manifest::Manifest;
 use crate::failure::Failure;
 use crate::output::digest::{Running, hex, sha256};
-use crate::output::folder;
+use crate::output::{publication, single};
 
 /// The last line, after `# `.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -60,7 +60,7 @@ pub fn write(manifest: &Manifest, shard: u32, rows: &[u8]) -> Result<(), Failure
     let trailer = serde_json::to_string(&trailer).map_err(Failure::internal)?;
     let folder = target.parent().map_or(Ok(()), fs::create_dir_all);
     let written = folder.and_then(|()| {
-        folder::whole(&target, |out| {
+        single::whole(&target, |out| {
             out.write_all(rows)?;
             writeln!(out, "# {trailer}")
         })
@@ -142,7 +142,7 @@ pub fn failures(folder: &Path) -> PathBuf {
 /// Leaves a note of a try that failed, as far as the system lets it.
 pub fn note_failure(manifest: &Manifest, shard: u32, cause: &str) {
     let note = Try { shard, cause, build: &manifest.head.build };
-    let path = failures(&manifest.folder).join(format!("{shard:06}-{}.json", folder::unique()));
+    let path = failures(&manifest.folder).join(format!("{shard:06}-{}.json", publication::unique()));
     let _ = fs::create_dir_all(failures(&manifest.folder));
     let _ = fs::write(path, serde_json::to_vec(&note).unwrap_or_default());
 }
@@ -154,7 +154,7 @@ pub fn remove_leftovers(folder: &Path) {
         let name = entry.file_name().to_string_lossy().into_owned();
         let parts: Vec<&str> = name.rsplit('.').collect(); // number, process, host, ...
         let Some([_, process, host]) = parts.first_chunk() else { continue };
-        let own = folder::unique();
+        let own = publication::unique();
         let here = own.split('.').next() == Some(*host);
         let ended = process.parse::<u32>().is_ok() && !Path::new("/proc").join(process).exists();
         if name.starts_with('.') && here && ended && Path::new("/proc/self").exists() {
@@ -223,7 +223,7 @@ mod tests {
     fn what_a_dead_process_left_goes_and_what_others_may_still_write_stays() {
         let folder = tempfile::tempdir().expect("temporary folder");
         fs::create_dir(folder.path().join("shards")).expect("writable");
-        let own = folder::unique();
+        let own = publication::unique();
         let (host, process) = (own.split('.').next().unwrap_or_default(), std::process::id());
         // Process numbers end far below this.
         let dead = format!(".000001.csv.{host}.4294967295.00");

@@ -14,7 +14,7 @@ use self::batch::{Array, arrays, script};
 use super::manifest::Manifest;
 use super::options::SlurmOptions;
 use super::shard::State;
-use super::{conclude, say, shard};
+use super::{outcome, say, shard};
 use crate::failure::Failure;
 use crate::jobs::interruption;
 use crate::output::table;
@@ -54,7 +54,7 @@ pub(super) fn run(options: &SlurmOptions) -> Result<(), Failure> {
         let missing = shard::missing(&manifest);
         if missing.is_empty() {
             queue::forget(&manifest.folder);
-            return conclude(&manifest).map(drop);
+            return outcome::conclude(&manifest, None);
         }
         if round == options.rounds {
             break;

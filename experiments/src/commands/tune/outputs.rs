@@ -10,7 +10,7 @@ use super::fit::Fit;
 use super::{BATCH_SEEDS, TuneOptions, belief};
 use crate::failure::Failure;
 use crate::figures;
-use crate::output::folder::{RECORD, Staging};
+use crate::output::folder::Staging;
 use crate::output::record::versions;
 use crate::output::table::{Table, aligned, rounded};
 
@@ -72,6 +72,9 @@ fn remark(fit: &Fit) -> String {
     remark
 }
 
+/// The files, beside the record.
+pub(super) const FILES: [&str; 2] = ["tuning.csv", "tuning.png"];
+
 /// Writes everything.
 ///
 /// # Errors
@@ -81,7 +84,6 @@ pub fn write(staging: &mut Staging, fits: &[Fit], options: &TuneOptions) -> Resu
     if let Some(picture) = figures::tuning::draw(fits)? {
         staging.write("tuning.png", |out| out.write_all(&picture))?;
     }
-    let files = staging.files_and(&[RECORD]);
     let chosen = fits.iter().map(|fit| (fit.tuned.name().to_owned(), json!(fit.best().to_string())));
     let record = json!({
         "schema_version": 1,
@@ -97,7 +99,6 @@ pub fn write(staging: &mut Staging, fits: &[Fit], options: &TuneOptions) -> Resu
         },
         "chosen": chosen.collect::<serde_json::Map<_, _>>(),
         "versions": versions(),
-        "files": files,
     });
     staging.record(&record)
 }

@@ -11,7 +11,7 @@ use crate::commands::sweep::parameters::{Of, Value, parameter};
 use crate::commands::sweep::site::Site;
 use crate::failure::Failure;
 use crate::output::digest::{Running, build};
-use crate::output::folder;
+use crate::output::single::Temporary;
 
 /// A shard has about so many jobs where nobody says how many shards there are to be ...
 const JOBS_PER_SHARD: u64 = 100;
@@ -85,7 +85,7 @@ pub fn plan(sweep: &Sweep, folder: &Path, shards: Option<u32>, replace: Replace)
 
     fs::create_dir_all(folder).map_err(|e| Failure::write(folder, &e))?;
     let path = folder.join(MANIFEST);
-    let partial = folder::Temporary::beside(&path);
+    let partial = Temporary::beside(&path);
     let write = || -> io::Result<String> {
         let mut digest = Running::default();
         let mut out = BufWriter::new(File::create(partial.path())?);
@@ -106,7 +106,7 @@ pub fn plan(sweep: &Sweep, folder: &Path, shards: Option<u32>, replace: Replace)
     let digest = write().map_err(|e| Failure::write(&path, &e))?;
     let stays = path.exists()
         && match (Manifest::open(folder), replace) {
-            (_, Replace::Always) => false,
+            (_, Replace::Always) => !Manifest::begins(&path),
             (Ok(former), Replace::OtherBuild) => former.head.sweep != head.sweep,
             (Ok(former), Replace::Never) => former.digest != digest,
             (Err(_), _) => true,

@@ -1,0 +1,107 @@
+//! What a sweep leaves beside its shards: the table of all of them, pictures of it, and the record.
+
+use std::io::Write as _;
+use std::path::Path;
+
+use serde_json::json;
+
+use super::file::Sweep;
+use super::manifest::Manifest;
+use super::options::MergeOptions;
+use super::{TABLE, merge, plots, say};
+use crate::failure::Failure;
+use crate::output::folder::{Purpose, Staging};
+use crate::output::record::versions;
+use crate::output::single::{self, Existing};
+
+/// What a sweep of these mappers means to do with its folder.
+pub(super) fn purpose(mappers: &[String]) -> Purpose {
+    let pictures = mappers.iter().flat_map(|mapper| plots::names(mapper));
+    Purpose::new("sweep", &[] as &[&Path], [TABLE.to_owned()].into_iter().chain(pictures))
+}
+
+/// Merges a sweep all of whose shards are done, draws the table, and leaves the record, whose configuration is known
+/// where the sweep file is at hand.
+pub(super) fn conclude(manifest: &Manifest, sweep: Option<&Sweep>) -> Result<(), Failure> {
+    let mappers = manifest.mappers()?;
+    let mut staging = match sweep {
+        Some(_) => Staging::open(&manifest.folder, &purpose(&mappers))?,
+        None => Staging::amend(&manifest.folder, &purpose(&mappers))?,
+    };
+    table(manifest, &mut staging)?;
+    let sheets = plots::draw(&staging.written(TABLE))?;
+    pictures(&mut staging, &sheets)?;
+    record(manifest, sweep, &mut staging)?;
+    staging.publish()?;
+    sheets.iter().for_each(|(picture, _)| say(&manifest.folder.join(picture).display().to_string()));
+    Ok(())
+}
+
+/// `sweep merge`.
+pub(super) fn merge(options: &MergeOptions) -> Result<(), Failure> {
+    let manifest = Manifest::open(&options.folder)?;
+    let usual = options.folder.join(TABLE);
+    let out = options.out.as_deref().unwrap_or(&usual);
+    let inside = out.file_name() == usual.file_name()
+        && out.parent().is_some_and(|parent| crate::output::folder::is_same(parent, &options.folder));
+    if inside {
+        let mut staging = Staging::amend(&options.folder, &purpose(&[]))?;
+        table(&manifest, &mut staging)?;
+        record(&manifest, None, &mut staging)?;
+        return staging.publish();
+    }
+    let mut merged = merge::Merged::default();
+    let rows = single::fill(out, Existing::forced(options.force), |file| {
+        merged = merge::merge(&manifest, file)?;
+        Ok(())
+    })
+    .and_then(|filled| {
+        let rows = merged.whole(&manifest)?;
+        filled.publish()?;
+        Ok(rows)
+    })?;
+    say(&format!("{}: {rows} rows", out.display()));
+    Ok(())
+}
+
+/// `sweep plot`.
+pub(super) fn plot(folder: &Path) -> Result<(), Failure> {
+    let manifest = Manifest::open(folder)?;
+    let sheets = plots::draw(&folder.join(TABLE))?;
+    let mut staging = Staging::amend(folder, &purpose(&manifest.mappers()?))?;
+    pictures(&mut staging, &sheets)?;
+    record(&manifest, None, &mut staging)?;
+    staging.publish()
+}
+
+fn table(manifest: &Manifest, staging: &mut Staging) -> Result<(), Failure> {
+    let mut merged = merge::Merged::default();
+    staging.write(TABLE, |out| -> std::io::Result<()> {
+        merged = merge::merge(manifest, out)?;
+        Ok(())
+    })?;
+    let rows = merged.whole(manifest)?;
+    say(&format!("{}: {rows} rows", manifest.folder.join(TABLE).display()));
+    Ok(())
+}
+
+fn pictures(staging: &mut Staging, sheets: &[(String, Vec<u8>)]) -> Result<(), Failure> {
+    sheets.iter().try_for_each(|(name, png)| staging.write(name, |out| out.write_all(png)))
+}
+
+/// Leaves `run.json`, with nothing in it that changes from build to build. Without the sweep file the configuration is
+/// that of the record before.
+fn record(manifest: &Manifest, sweep: Option<&Sweep>, staging: &mut Staging) -> Result<(), Failure> {
+    let former = staging.former_record().map(|record| record["configuration"].clone());
+    let configuration = match sweep {
+        Some(sweep) => serde_json::to_value(sweep).map_err(Failure::internal)?,
+        None => former.unwrap_or_default(),
+    };
+    staging.record(&json!({
+        "schema_version": 1,
+        "command": "sweep",
+        "configuration": configuration,
+        "jobs": manifest.head.jobs,
+        "versions": versions(),
+    }))
+}
