@@ -1,7 +1,7 @@
-//! What a command leaves behind: folders, tables, records.
+//! What a command takes and leaves behind: options, folders, tables, records.
 
+pub mod args;
 pub mod digest;
 pub mod folder;
 pub mod record;
-pub mod summary;
 pub mod table;

@@ -4,6 +4,7 @@
 //! Every command that leaves a report fills one in and hands it to [`page`].
 
 mod encoding;
+mod folder;
 mod part;
 mod viewer;
 
@@ -11,6 +12,7 @@ use askama::Template;
 use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
 
+pub use folder::Folder;
 pub use part::{Cell, Part, Picture, Section, Sheet, Tone};
 pub use viewer::{FRAMES, Mapped, Moment, Viewer, World, moments};
 

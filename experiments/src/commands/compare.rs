@@ -3,10 +3,12 @@
 //! Every mapper maps the same readings of the same generated worlds ([`world`]); finished worlds are kept
 //! until all are done ([`journal`]); then the scores are paired and judged ([`judgement`]).
 
+mod again;
 pub mod claims;
-pub mod conditions;
-pub mod criteria;
 pub mod document;
+pub mod figures;
+pub mod findings;
+pub mod forest;
 pub mod journal;
 pub mod judgement;
 pub mod options;
@@ -20,41 +22,28 @@ pub mod tables;
 pub mod text;
 pub mod world;
 
+pub use again::page as renewed_page;
+pub use options::CompareOptions;
+
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
+use self::findings::Findings;
 use self::journal::Journal;
-use self::judgement::{Judgement, Scope};
-use self::options::{CompareOptions, Worlds};
+use self::options::Worlds;
 use self::plan::{Plan, REFERENCE};
-use self::repeats::Repeated;
 use self::world::{Job, World};
-use crate::cli::Format;
 use crate::failure::Failure;
 use crate::jobs::engine;
 use crate::jobs::interruption;
 use crate::jobs::progress::Count;
 use crate::jobs::threads;
+use crate::output::args::Format;
 use crate::output::folder::Staging;
-use crate::output::table;
-use crate::worlds::claims::{self as claim, Claim};
-
-/// What a comparison has found.
-pub struct Findings {
-    /// The scores of every world, in the order of the jobs.
-    pub worlds: Vec<World>,
-    /// What is judged together.
-    pub scopes: Vec<Scope>,
-    /// Every mapper against the reference.
-    pub judgements: Vec<Judgement>,
-    /// The same scan, again and again.
-    pub repeated: Vec<Repeated>,
-    /// What was promised of the reference.
-    pub claims: Vec<Claim>,
-}
+use crate::worlds::claims as claim;
 
 /// Runs the comparison, or the rest of one that was interrupted.
 ///
@@ -66,7 +55,7 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     let plan = Plan::new(options)?;
     let out = options.out.clone().unwrap_or_else(|| default_folder(&plan, options.quick));
     let mut staging = Staging::open(&out)?;
-    threads::limit(options.threads)?;
+    threads::limit(options.threads.count)?;
     let record = outputs::record(&plan);
     let worlds = map_worlds(&plan, &out, &configuration(&plan, &record)?)?;
     let findings = judge(&plan, worlds)?;
@@ -76,14 +65,11 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     staging.publish()?;
     Journal::clear(&out);
 
-    match options.format {
-        Format::Text => {
-            table::print(&text::summary(&plan, &rows, &findings.claims))?;
-            let place = out.join("report.html");
-            let _ = writeln!(std::io::stderr(), "{} in {:.0} s", place.display(), start.elapsed().as_secs_f64());
-        }
-        Format::Csv => tables::differences(&findings.judgements, REFERENCE).print(false)?,
-        Format::Json => tables::differences(&findings.judgements, REFERENCE).print(true)?,
+    let differences = tables::differences(&findings.judgements, REFERENCE);
+    differences.print(options.format, || text::summary(&plan, &rows, &findings.claims))?;
+    if options.format == Format::Text {
+        let place = out.join("report.html");
+        let _ = writeln!(std::io::stderr(), "{} in {:.0} s", place.display(), start.elapsed().as_secs_f64());
     }
     claim::all_hold(&findings.claims)
 }

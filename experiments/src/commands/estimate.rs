@@ -5,8 +5,8 @@ use mapper::estimate::{Lag, correlation, law, length_m};
 use mapper::{Estimate, Prior};
 use serde_json::{Value, json};
 
-use crate::cli::{CheckOptions, Format};
 use crate::failure::Failure;
+use crate::output::args::SceneOptions;
 use crate::output::table::{self, Table, aligned, optional};
 
 /// Distances at which correlations are printed, as factors on the cell size asked for.
@@ -41,12 +41,12 @@ const HEADS: [&str; 10] = [
 
 /// The world, sampled at points on a grid of half the cell size: at distances of whole cells, points lie at two
 /// phases against the cells in every direction, and never on a wall that ends where cells do.
-struct World {
+struct Sampled {
     points: Raster<Option<bool>>,
     found: Estimate,
 }
 
-impl World {
+impl Sampled {
     /// Correlation of points `distance_m` (m) apart.
     fn lag(&self, distance_m: f64) -> Option<Lag> {
         let lag = (distance_m / self.found.cell_m).round() as usize;
@@ -71,12 +71,12 @@ impl World {
 ///
 /// # Errors
 /// The first problem with the scene.
-pub fn run(options: &CheckOptions) -> Result<(), Failure> {
+pub fn run(options: &SceneOptions) -> Result<(), Failure> {
     let load = |cell_m| scene::load(&options.scene, cell_m, options.layout);
     let scene = load(options.grid)?;
     let cell_m = scene.grid.cell_m;
     let points = scene::truth_at_centres(load(Some(0.5 * cell_m)).as_ref().unwrap_or(&scene));
-    let world = World { found: Estimate::of(&points), points };
+    let world = Sampled { found: Estimate::of(&points), points };
     let mut table = Table::new(&COLUMNS);
     let predicted = |distance_m| Some(law(world.found.occupancy?, world.length_m(cell_m)?, distance_m));
     for at_m in FACTORS.map(|factor| factor * cell_m) {
@@ -87,20 +87,16 @@ pub fn run(options: &CheckOptions) -> Result<(), Failure> {
             table.push(covered_row(&Estimate::of(&scene::truth(&scene)), predicted(at_m)));
         }
     }
-    match options.format {
-        Format::Csv => table.print(false),
-        Format::Json => table.print(true),
-        Format::Text => {
-            let layout = scene.layout.map(|layout| format!(", layout {layout}")).unwrap_or_default();
-            let name = format!("{}{layout}", options.scene.display());
-            let cells = Estimate::of(&scene::truth(&scene));
-            table::print(&text(&name, cell_m, &table, [world.prior(cell_m), cells.prior()]))
-        }
-    }
+    table.print(options.print.format, || {
+        let layout = scene.layout.map(|layout| format!(", layout {layout}")).unwrap_or_default();
+        let name = format!("{}{layout}", options.scene.display());
+        let cells = Estimate::of(&scene::truth(&scene));
+        text(&name, cell_m, &table, [world.prior(cell_m), cells.prior()])
+    })
 }
 
 /// What points of the world that far apart give; what needs all lags or whole runs only with the nearest.
-fn world_row(world: &World, at_m: f64, predicted: Option<f64>) -> Vec<Value> {
+fn world_row(world: &Sampled, at_m: f64, predicted: Option<f64>) -> Vec<Value> {
     let nearest = Some(&world.found).filter(|found| at_m < 1.1 * found.cell_m);
     vec![
         table::rounded(at_m),

@@ -5,6 +5,7 @@
 //! good ([`baseline`], [`verdict`]). [`program`] is the whole of it as a program of your own, with your own mappers.
 
 pub mod baseline;
+pub mod door;
 pub mod file;
 pub mod measure;
 pub mod options;
@@ -28,10 +29,8 @@ pub use self::options::GateOptions;
 use self::file::{Gate, Gates};
 use self::measure::Values;
 use self::verdict::{Outcome, Verdict};
-use crate::cli::Format;
 use crate::failure::Failure;
 use crate::jobs::interruption;
-use crate::output::table;
 
 /// The command line of a program of your own: gates on your mappers and the built-in ones.
 ///
@@ -90,11 +89,7 @@ pub fn run_with(options: &GateOptions, own: &[Entry]) -> Result<(), Failure> {
         let shared = std::env::var_os("GITHUB_STEP_SUMMARY").is_some_and(|shared| Path::new(&shared) == path);
         write(path, views::markdown(&outcomes, &heading).as_bytes(), shared)?;
     }
-    match options.format {
-        Format::Csv => tables::table(&outcomes).print(false)?,
-        Format::Json => tables::table(&outcomes).print(true)?,
-        Format::Text => table::print(&tables::text(&outcomes, &heading))?,
-    }
+    tables::table(&outcomes).print(options.print.format, || tables::text(&outcomes, &heading))?;
     let _ = writeln!(std::io::stderr(), "{} gates in {:.0} s", outcomes.len(), start.elapsed().as_secs_f64());
     all_pass(&outcomes)
 }
@@ -162,11 +157,8 @@ fn update(options: &GateOptions, asked: Asked) -> Result<(), Failure> {
     let measured = measure::measure(&gates, &known, 0, options.threads())?;
     let new = update::merged(&all, &old, verdict::baselines(&gates.gates, &measured)?);
     baseline::write(path, &new)?;
-    match options.format {
-        Format::Csv => update::table(&gates.gates, &old, &new).print(false)?,
-        Format::Json => update::table(&gates.gates, &old, &new).print(true)?,
-        Format::Text => table::print(&update::text(&gates.gates, &old, &new))?,
-    }
+    let table = update::table(&gates.gates, &old, &new);
+    table.print(options.print.format, || update::text(&gates.gates, &old, &new))?;
     let gone = old.keys().filter(|key| !new.contains_key(key)).count();
     let _ = writeln!(std::io::stderr(), "{}: {} values, {gone} gone; commit it and say why", path.display(), new.len());
     Ok(())

@@ -2,24 +2,32 @@
 
 use std::path::Path;
 
-use clap::CommandFactory as _;
+use clap::{Args, Command};
 use mapper::catalogue::MAPPERS;
 use serde_json::{Value, json};
 
-use crate::cli::{Cli, Format, ListOptions};
 use crate::failure::Failure;
-use crate::output::table::{self, Table};
+use crate::output::args::FormatOption;
+use crate::output::table::Table;
+
+/// Options of `list`.
+#[derive(Debug, Args)]
+pub struct ListOptions {
+    /// How the table is printed
+    #[command(flatten)]
+    pub print: FormatOption,
+}
 
 /// Folder in which scenes are looked for.
 const SCENES: &str = "scenes";
 
-/// Prints experiments, mappers, scenes and families.
+/// Prints `experiments`, mappers, scenes and families.
 ///
 /// # Errors
 /// A stdout that cannot be written.
-pub fn run(options: &ListOptions) -> Result<(), Failure> {
+pub fn run<'a>(options: &ListOptions, experiments: impl Iterator<Item = &'a Command>) -> Result<(), Failure> {
     let mut table = Table::new(&["kind", "name", "summary", "source"]);
-    for command in Cli::command().get_subcommands() {
+    for command in experiments {
         let about = command.get_about().map(ToString::to_string).unwrap_or_default();
         table.push(vec![json!("experiment"), json!(command.get_name()), json!(about), Value::Null]);
     }
@@ -29,11 +37,7 @@ pub fn run(options: &ListOptions) -> Result<(), Failure> {
     for (kind, path, description) in scenes(Path::new(SCENES)) {
         table.push(vec![json!(kind), json!(path), json!(description), Value::Null]);
     }
-    match options.format {
-        Format::Csv => table.print(false),
-        Format::Json => table.print(true),
-        Format::Text => table::print(&text(&table)),
-    }
+    table.print(options.print.format, || text(&table))
 }
 
 fn text(table: &Table) -> String {

@@ -3,6 +3,7 @@
 mod answer;
 mod cases;
 pub mod certainty;
+mod figures;
 pub mod file;
 mod no_hit;
 mod options;
@@ -20,10 +21,9 @@ use std::path::Path;
 use scene::reader::nearest;
 use serde_json::json;
 
-use crate::cli::Format;
 use crate::failure::Failure;
-use crate::figures;
 use crate::jobs::interruption;
+use crate::output::args::Format;
 use crate::output::folder::{RECORD, Staging};
 use crate::output::record::versions;
 use crate::output::table;
@@ -106,12 +106,12 @@ impl Outputs<'_> {
         staging.write("ray.toml", |out| out.write_all(toml.as_bytes()))?;
         let csv = views::csv(ray, answers, false)?;
         staging.write("ray.csv", |out| out.write_all(&csv))?;
-        let picture = figures::ray::draw(ray, answers, case.map_or(&[], Case::bands))?;
+        let picture = figures::answers(ray, answers, case.map_or(&[], Case::bands))?;
         staging.write("ray.png", |out| out.write_all(&picture))?;
         if !self.curve.is_empty() {
             let table = certainty::table(self.curve);
             staging.write("certainty.csv", |out| table.write_csv(out).map_err(io::Error::other))?;
-            let picture = figures::certainty::draw(self.curve, cases::UNCHANGED)?;
+            let picture = figures::certainty(self.curve, cases::UNCHANGED)?;
             staging.write("certainty.png", |out| out.write_all(&picture))?;
         }
         let files = staging.files_and(&[RECORD]);

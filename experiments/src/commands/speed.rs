@@ -22,11 +22,11 @@ use self::growth::Sizes;
 use self::hall::Hall;
 use self::scans::ScanSet;
 use self::tables::Conditions;
-use crate::cli::Format;
 use crate::failure::Failure;
 use crate::jobs::interruption;
 use crate::jobs::progress::Count;
 use crate::jobs::threads;
+use crate::output::args::Format;
 use crate::output::folder::Staging;
 use crate::output::table;
 use crate::worlds::mappers::entries;
@@ -40,7 +40,7 @@ pub fn run(options: &SpeedOptions) -> Result<(), Failure> {
     let entries = entries(&options.mappers)?;
     if options.growth {
         growth::online(&entries)?;
-        if options.format == Format::Csv && options.out.is_none() {
+        if options.print.format == Format::Csv && options.out.is_none() {
             let message =
                 "--growth --format csv: gives two tables, and stdout takes one; name a folder for both with --out";
             return Err(Failure::BadInput(message.to_owned()));
@@ -73,18 +73,16 @@ pub fn run(options: &SpeedOptions) -> Result<(), Failure> {
         let _ = writeln!(io::stderr(), "{}", folder.join("speed.csv").display());
     }
     let table = tables::table(&speeds, &conditions);
-    match (options.format, &curves) {
-        (Format::Csv, _) => table.print(false),
-        (Format::Json, None) => table.print(true),
+    match (options.print.format, &curves) {
         (Format::Json, Some(curves)) => {
             let mut json = table.to_json();
             json["growth"] = growth::table(curves).to_json()["rows"].take();
             table::print(&format!("{json:#}\n"))
         }
-        (Format::Text, curves) => {
+        (format, curves) => table.print(format, || {
             let growth = curves.as_ref().map(|curves| format!("\n{}", growth::text(curves))).unwrap_or_default();
-            table::print(&(tables::text(&speeds, &conditions) + &growth))
-        }
+            tables::text(&speeds, &conditions) + &growth
+        }),
     }
 }
 

@@ -27,7 +27,6 @@ use serde_json::json;
 use self::manifest::{Manifest, Replace};
 use self::options::{MergeOptions, Part, PlanOptions, RunOptions, StatusOptions};
 use self::shard::State;
-use crate::cli::Format;
 use crate::failure::Failure;
 use crate::jobs::interruption;
 use crate::jobs::threads;
@@ -84,7 +83,7 @@ fn run_shards(options: &RunOptions) -> Result<(), Failure> {
         return Err(Failure::BadInput(format!("--shard {shard}: must be 0 to {last}, as the manifest has them")));
     }
     let named = Some(&options.shard).filter(|shards| !shards.is_empty());
-    work(&manifest, named, options.threads)
+    work(&manifest, named, options.threads.count)
 }
 
 /// Runs the shards named, or all that are not done.
@@ -148,14 +147,10 @@ fn status(options: &StatusOptions) -> Result<(), Failure> {
     ] {
         table.push(vec![json!(what), json!(count), json!(of)]);
     }
-    match options.format {
-        Format::Csv => table.print(false),
-        Format::Json => table.print(true),
-        Format::Text => {
-            let cells = |row: &Vec<serde_json::Value>| row.iter().map(table::field).collect();
-            table::print(&table::aligned(table.columns(), &table.rows().iter().map(cells).collect::<Vec<_>>()))
-        }
-    }
+    table.print(options.print.format, || {
+        let cells = |row: &Vec<serde_json::Value>| row.iter().map(table::field).collect();
+        table::aligned(table.columns(), &table.rows().iter().map(cells).collect::<Vec<_>>())
+    })
 }
 
 /// Nothing is printed where nothing is missing.
@@ -194,7 +189,7 @@ fn all(file: &Path, options: &SweepOptions) -> Result<(), Failure> {
             folder.display()
         ));
     }
-    work(&manifest, None, options.threads)?;
+    work(&manifest, None, options.threads.count)?;
     let pictures = conclude(&manifest)?;
     record(&sweep, &manifest, pictures)
 }

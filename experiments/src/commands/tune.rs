@@ -2,6 +2,7 @@
 
 pub mod candidates;
 pub mod clamps;
+mod figure;
 pub mod fit;
 mod options;
 pub mod outputs;
@@ -16,9 +17,6 @@ use scene::Set;
 
 use self::candidates::{Candidate, Tuned};
 use self::fit::Fit;
-use crate::cli::Format;
-use crate::commands::compare::conditions::AS_BELIEVED;
-use crate::commands::compare::plan::families;
 use crate::commands::compare::world::{Belief, Job};
 use crate::failure::Failure;
 use crate::jobs::engine;
@@ -26,7 +24,8 @@ use crate::jobs::interruption;
 use crate::jobs::progress::Count;
 use crate::jobs::threads;
 use crate::output::folder::Staging;
-use crate::output::table;
+use crate::worlds::condition::AS_BELIEVED;
+use crate::worlds::scenes::families;
 
 /// Mappers that take all scans at once are fitted on so many worlds of each family: they cost ten times as much.
 pub const BATCH_SEEDS: u32 = 3;
@@ -41,7 +40,7 @@ pub fn run(options: &TuneOptions) -> Result<(), Failure> {
     let families = families(&options.families)?;
     let mappers = distinct(&options.mappers)?;
     let mut staging = Staging::open(&options.out)?;
-    threads::limit(options.threads)?;
+    threads::limit(options.threads.count)?;
 
     let grids: Vec<Vec<Candidate>> = mappers.iter().map(|tuned| tuned.candidates()).collect();
     let tasks = tasks(&mappers, u64::from(options.seeds), families.len());
@@ -70,11 +69,7 @@ pub fn run(options: &TuneOptions) -> Result<(), Failure> {
 
     let place = options.out.join("tuning.csv");
     let _ = writeln!(std::io::stderr(), "{} in {:.0} s", place.display(), start.elapsed().as_secs_f64());
-    match options.format {
-        Format::Text => table::print(&outputs::text(&fits, options)),
-        Format::Csv => outputs::table(&fits).print(false),
-        Format::Json => outputs::table(&fits).print(true),
-    }
+    outputs::table(&fits).print(options.format, || outputs::text(&fits, options))
 }
 
 /// A world for the candidates of one mapper.

@@ -6,7 +6,7 @@ use super::ink::{self, INK};
 use super::panel::Panel;
 use super::{Area, png};
 use crate::failure::Failure;
-use crate::output::record::Stage;
+use crate::worlds::run::Stage;
 use crate::worlds::run::{Ground, Run, Trial};
 
 /// What the picture shows.

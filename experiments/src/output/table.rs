@@ -4,6 +4,7 @@ use std::io::Write;
 
 use serde_json::{Map, Value, json};
 
+use super::args::Format;
 use crate::failure::Failure;
 
 /// A table with named columns. A value that does not exist is null: an empty field in CSV.
@@ -59,17 +60,26 @@ impl Table {
         json!({ "schema_version": 1, "rows": self.rows.iter().map(object).collect::<Vec<_>>() })
     }
 
-    /// Writes the table to stdout as CSV, or as JSON.
+    /// Writes the table to stdout, for reading as `text` gives it.
     ///
     /// # Errors
     /// A stdout that cannot be written.
-    pub fn print(&self, json: bool) -> Result<(), Failure> {
-        if json {
-            return print(&format!("{:#}\n", self.to_json()));
+    pub fn print(&self, format: Format, text: impl FnOnce() -> String) -> Result<(), Failure> {
+        match format {
+            Format::Text => print(&text()),
+            Format::Json => print(&format!("{:#}\n", self.to_json())),
+            Format::Csv => print(&String::from_utf8_lossy(&self.csv()?)),
         }
+    }
+
+    /// The table as CSV.
+    ///
+    /// # Errors
+    /// None but a defect.
+    pub fn csv(&self) -> Result<Vec<u8>, Failure> {
         let mut bytes = Vec::new();
         self.write_csv(&mut bytes).map_err(Failure::internal)?;
-        print(&String::from_utf8_lossy(&bytes))
+        Ok(bytes)
     }
 }
 

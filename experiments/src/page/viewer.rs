@@ -6,7 +6,7 @@ use grid::{GridSpec, Raster};
 use score::{Region, Sight, Sightings};
 use sensor::Pose;
 
-use crate::output::record::Stage;
+use crate::worlds::run::Stage;
 use crate::worlds::run::{Frame, Ground, Run, StageMap, Trial};
 
 /// Moments of a drive besides the ends of its stages: enough to see a map grow, few enough for a page.

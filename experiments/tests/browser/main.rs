@@ -403,7 +403,7 @@ fn two_worlds(results: &Results, folder: &Path) -> PathBuf {
     let keep = Keep { timeline: false, frames: moments.clone() };
     let worlds = [1, 2].map(|seed| {
         let trial = ground.trial(seed, &entries, &setup, &keep, &|_, _| ()).expect("maps");
-        let stage = |s: &scene::Stage| experiments::output::record::Stage {
+        let stage = |s: &scene::Stage| experiments::worlds::run::Stage {
             name: s.name.clone(),
             label: s.name.clone(),
             scans: s.scans,

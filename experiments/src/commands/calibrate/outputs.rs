@@ -6,7 +6,7 @@ use std::path::Path;
 
 use serde_json::json;
 
-use super::Calibration;
+use super::calibration::Calibration;
 use super::options::CalibrateOptions;
 use super::search::Found;
 use crate::failure::Failure;

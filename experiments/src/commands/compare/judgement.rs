@@ -3,9 +3,9 @@
 use rayon::prelude::*;
 use score::{Comparison, Margin, Region, StatisticsError, Verdict, holm_table};
 
-use super::criteria::{CRITERIA, Criterion};
 use super::world::World;
 use crate::failure::Failure;
+use crate::worlds::criteria::{CRITERIA, Criterion};
 
 /// A set of worlds that is judged together.
 #[derive(Debug, Clone, PartialEq)]

@@ -6,11 +6,11 @@ use std::io::{self, Write as _};
 use mapper::{Prior, Reconciliation};
 use serde::Serialize;
 
+use super::findings::Findings;
 use super::plan::{Plan, REFERENCE};
 use super::rows::{self, Rows};
-use super::{Findings, document, tables};
+use super::{document, figures, forest, tables};
 use crate::failure::Failure;
-use crate::figures;
 use crate::output::folder::{RECORD, Staging};
 use crate::output::record::versions;
 use crate::output::table::Table;
@@ -104,10 +104,10 @@ pub fn write(
     }
     let pictures = document::pictures(|name| {
         let bytes = match name {
-            "differences.png" => figures::forest::draw(rows, &names, &["log_loss", "brier"])?,
-            "reliability.png" => figures::comparison::reliability(findings, &scopes[0], &names)?,
-            "profiles.png" => figures::comparison::profiles(findings, &scopes[0], &names)?,
-            "repeats.png" if !repeated.is_empty() => figures::comparison::repeats(rows, &names)?,
+            "differences.png" => forest::draw(rows, &names, &["log_loss", "brier"])?,
+            "reliability.png" => figures::reliability(findings, &scopes[0], &names)?,
+            "profiles.png" => figures::profiles(findings, &scopes[0], &names)?,
+            "repeats.png" if !repeated.is_empty() => figures::repeats(rows, &names)?,
             _ => return Ok(None),
         };
         staging.write(name, |out| out.write_all(&bytes))?;

@@ -6,11 +6,12 @@ use mapper::Reconciliation;
 use mapper::catalogue::{Entry, Kind, MAPPERS};
 use scene::{Family, Set};
 
-use super::conditions::{AS_BELIEVED, Condition, DEPARTURES};
 use super::options::{CompareOptions, Worlds};
 use super::world::{Belief, Job};
 use crate::failure::Failure;
+use crate::worlds::condition::{AS_BELIEVED, Condition, DEPARTURES};
 use crate::worlds::mappers::entries;
+use crate::worlds::scenes::families;
 
 /// The mapper that all are compared with.
 pub const REFERENCE: &str = "visibility";
@@ -83,7 +84,7 @@ impl Plan {
             seeds,
             batch_seeds,
             mappers,
-            belief: Belief { prior: options.belief.prior(), reconciliation: options.belief.reconciliation() },
+            belief: Belief { prior: options.prior.prior(), reconciliation: options.prior.reconciliation() },
             repeats,
             repeated_scans,
         })
@@ -166,28 +167,9 @@ impl Plan {
 
 /// Whether a mapper makes the map of `visibility` anyway: its own reference, and the variant that the options make it.
 fn maps_the_same(entry: &Entry, options: &CompareOptions) -> bool {
-    let variant = match options.belief.reconciliation() {
+    let variant = match options.prior.reconciliation() {
         Reconciliation::AllEdges => "visibility-all-edges",
         Reconciliation::Touched => "visibility-touched",
     };
     ["visibility-reference", variant].contains(&entry.name)
-}
-
-/// The families of the given files.
-///
-/// # Errors
-/// A family that cannot be read, or two of a name.
-pub fn families(paths: &[PathBuf]) -> Result<Vec<Family>, Failure> {
-    let mut families: Vec<Family> = Vec::new();
-    for path in paths {
-        let family = Family::load(path)?;
-        if families.iter().any(|other| other.name == family.name) {
-            let name = &family.name;
-            let message =
-                format!("--families: {}: a family named {name:?} is among them; name each once", path.display());
-            return Err(Failure::BadInput(message));
-        }
-        families.push(family);
-    }
-    Ok(families)
 }

@@ -4,7 +4,6 @@ use super::plan::Plan;
 use super::world::{Job, World};
 use crate::failure::Failure;
 use crate::jobs::engine;
-use crate::output::record::Stage;
 use crate::page::{self, Viewer};
 use crate::worlds::run::Keep;
 
@@ -33,10 +32,7 @@ pub fn look(plan: &Plan) -> Result<(Viewer, Vec<World>), Failure> {
         let frames = page::moments(&ground, page::FRAMES);
         let keep = Keep { timeline: false, frames: frames.clone() };
         let trial = ground.trial(job.seed, &job.mappers(&plan.mappers), &setup, &keep, &|_, _| {})?;
-        let plans = ground.scene.stages.iter().zip(&trial.simulation.stages);
-        let stages: Vec<Stage> = plans
-            .map(|(plan, done)| Stage { name: plan.name.clone(), label: plan.label.clone(), scans: done.scans })
-            .collect();
+        let stages = ground.stages(&trial);
         let mut world = page::World::new(&ground, &trial, &stages, &frames);
         if plan.conditions.len() > 1 {
             world.name = format!("{} {}", world.name, job.condition);

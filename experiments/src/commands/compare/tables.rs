@@ -3,11 +3,11 @@
 use score::{LOOK_EDGES, PROBABILITY_EDGES, ProbabilityBin, RANGE_EDGES_M, Summary};
 use serde_json::{Value, json};
 
-use super::criteria::CRITERIA;
 use super::judgement::{Judgement, Scope};
 use super::repeats::Repeated;
 use super::world::{ErrorSum, MapScores, World};
 use crate::output::table::{Table, optional, rounded};
+use crate::worlds::criteria::CRITERIA;
 
 /// Every metric of every world, mapper and region: a row each, a column per metric.
 pub fn scores(worlds: &[World]) -> Table {

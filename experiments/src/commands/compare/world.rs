@@ -9,9 +9,9 @@ use scene::{Family, Variation};
 use score::{ErrorProfile, LOOK_EDGES, ProbabilityBin, RANGE_EDGES_M, Region, error_profile, probability_bins};
 use serde::{Deserialize, Serialize};
 
-use super::conditions::{Condition, condition};
-use super::criteria::CRITERIA;
 use crate::failure::Failure;
+use crate::worlds::condition::{Condition, condition};
+use crate::worlds::criteria::CRITERIA;
 use crate::worlds::run::{Ground, Keep, Run, Trial};
 
 /// Which world: a layout of a family and its readings, both of one seed, under a condition.

@@ -9,10 +9,10 @@ use serde_json::json;
 use super::file::Gate;
 use super::measure::{Key, Values};
 use super::world::{MICROMETRES, World};
-use crate::commands::compare::conditions::condition;
 use crate::failure::Failure;
 use crate::output::folder;
 use crate::output::table::{Table, optional};
+use crate::worlds::condition::condition;
 
 const COLUMNS: [&str; 8] = ["mapper", "metric", "region", "family", "condition", "grid", "seed", "value"];
 
@@ -92,9 +92,7 @@ pub fn text(values: &Values) -> Result<Vec<u8>, Failure> {
         let (family, condition, grid) = (json!(world.family), json!(world.condition), optional(world.cell_m()));
         table.push(vec![mapper, metric, region, family, condition, grid, json!(world.seed), optional(*value)]);
     }
-    let mut bytes = Vec::new();
-    table.write_csv(&mut bytes).map_err(Failure::internal)?;
-    Ok(bytes)
+    table.csv()
 }
 
 /// Writes the baselines whole or not at all.

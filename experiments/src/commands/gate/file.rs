@@ -9,9 +9,9 @@ use scene::{SceneError, Set};
 use score::{FEWEST_PAIRS, Region};
 
 use super::world::{MICROMETRES, Site, World};
-use crate::commands::compare::conditions::{AS_BELIEVED, Condition, DEPARTURES};
-use crate::commands::compare::criteria::{CRITERIA, Criterion, criterion};
-use crate::commands::compare::options::FAMILIES;
+use crate::worlds::condition::{AS_BELIEVED, Condition, DEPARTURES};
+use crate::worlds::criteria::{CRITERIA, Criterion, criterion};
+use crate::worlds::scenes::FAMILIES;
 use crate::worlds::scenes::path_of;
 
 /// What must hold of a mapper's maps.

@@ -9,8 +9,8 @@ use mapper::catalogue::Setup;
 use scene::{Family, Scene, SceneError, Variation};
 use score::Region;
 
-use crate::commands::compare::conditions::{AS_BELIEVED, Condition, condition};
 use crate::failure::Failure;
+use crate::worlds::condition::{AS_BELIEVED, Condition, condition};
 use crate::worlds::run::Ground;
 
 /// A world to map: all that its readings follow from.
@@ -18,7 +18,7 @@ use crate::worlds::run::Ground;
 pub struct World {
     /// Name of the family, or of the scene.
     pub family: String,
-    /// Name of the condition, see [`crate::commands::compare::conditions`].
+    /// Name of the condition, see [`crate::worlds::condition`].
     pub condition: &'static str,
     /// Side of a cell in µm, where it is not the scene's own.
     pub cell_um: Option<u32>,

@@ -11,11 +11,11 @@ use score::SeriesMean;
 use serde_json::{Value, json};
 
 use super::extent::Survey;
+use super::figure;
+use super::mapping::{Map, Maps};
 use super::options::{LaserOptions, ReplayOptions, StereoOptions};
 use super::predictions::{Predictions, Row};
-use super::{Map, Maps};
 use crate::failure::Failure;
-use crate::figures;
 use crate::output::folder::{RECORD, Staging};
 use crate::output::record::versions;
 use crate::output::table::{self, Table};
@@ -40,9 +40,9 @@ pub(super) fn write(staging: &mut Staging, told: &Told) -> Result<(), Failure> {
     }
     let drawn: Vec<(&str, &Raster<f64>)> =
         told.maps.maps.iter().map(|map| (map.mapper, &map.occupancy)).filter(|(name, _)| *name != "prior").collect();
-    let bytes = figures::replay::draw(&drawn, told.setup.prior.marginal(), &told.survey.path)?;
+    let bytes = figure::draw(&drawn, told.setup.prior.marginal(), &told.survey.path)?;
     staging.write("maps.png", |out| out.write_all(&bytes))?;
-    let picture = Picture { name: "maps.png".to_owned(), caption: figures::replay::CAPTION.to_owned(), bytes };
+    let picture = Picture { name: "maps.png".to_owned(), caption: figure::CAPTION.to_owned(), bytes };
     let configuration = configuration(told);
     let files = staging.files_and(&["report.html", RECORD]);
     let page = Page {

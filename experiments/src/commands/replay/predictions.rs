@@ -7,8 +7,8 @@ use score::{Interval, SeriesMean, series_mean};
 use sensor::Scan;
 use serde_json::json;
 
+use super::mapping::{BATCH, Maps, is_kept_back};
 use super::recording::{self, Recording};
-use super::{BATCH, Maps, is_kept_back};
 use crate::failure::Failure;
 use crate::output::table::{Table, rounded};
 

@@ -3,13 +3,12 @@
 use serde::Deserialize;
 use serde_json::Value;
 
+use super::summary;
 use crate::failure::Failure;
 use crate::figures;
-use crate::output::record::Stage;
-use crate::output::summary;
 use crate::page::{Cell, Page, Part, Picture, Section, Sheet, Viewer};
 use crate::worlds::claims;
-use crate::worlds::run::Ground;
+use crate::worlds::run::{Ground, Stage};
 
 /// A row of `metrics.csv`.
 #[derive(Debug, Deserialize)]

@@ -6,14 +6,14 @@ use grid::{Raster, npy};
 use serde_json::{Value, json};
 
 use super::document;
+use super::record::Record;
+use super::summary::over_seeds;
 use crate::failure::Failure;
 use crate::figures;
 use crate::output::folder::{RECORD, Staging};
-use crate::output::record::{Record, Stage};
-use crate::output::summary::over_seeds;
 use crate::output::table::{Table, optional, rounded};
 use crate::page::{self, Picture, Viewer, World};
-use crate::worlds::run::{Ground, RegionScore, Trial};
+use crate::worlds::run::{Ground, RegionScore, Stage, Trial};
 
 /// Every metric of every seed, mapper, stage and region.
 pub(super) fn metrics(ground: &Ground, trials: &[Trial], stages: &[Stage]) -> Table {

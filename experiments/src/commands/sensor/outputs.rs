@@ -4,10 +4,10 @@ use std::io::{self, Write as _};
 
 use serde_json::json;
 
-use super::View;
+use super::kernel::Kernel;
+use super::view::View;
+use super::{disparity, kernel};
 use crate::failure::Failure;
-use crate::figures;
-use crate::figures::kernel::Kernel;
 use crate::output::folder::{RECORD, Staging};
 use crate::output::record::versions;
 use crate::output::table::{Table, rounded};
@@ -30,28 +30,27 @@ impl View {
         staging.write("density.csv", |out| density.write_csv(out).map_err(io::Error::other))?;
 
         let cells = self.cells();
-        let mut kernel = Table::new(&["range_m", "disparity_px", "density_per_px"]);
+        let mut table = Table::new(&["range_m", "disparity_px", "density_per_px"]);
         // Every fifth disparity and at most sixty cells: enough to draw again, few enough to keep.
         for &(enter, exit) in cells.iter().step_by(cells.len().div_ceil(60)) {
             for i in (0..=DISPARITIES).step_by(5) {
-                kernel.push([0.5 * (enter + exit), at(i), self.density(at(i), enter, exit)].map(rounded).to_vec());
+                table.push([0.5 * (enter + exit), at(i), self.density(at(i), enter, exit)].map(rounded).to_vec());
             }
         }
-        staging.write("kernel.csv", |out| kernel.write_csv(out).map_err(io::Error::other))?;
+        staging.write("kernel.csv", |out| table.write_csv(out).map_err(io::Error::other))?;
 
         let title = format!(
             "Obstacle at {} m, true disparity {} px",
             rounded(self.range_m),
             rounded(self.stereo.disparity(self.range_m, 0.0))
         );
-        let picture = figures::disparity::draw(&title, d, &curve)?;
+        let picture = disparity::draw(&title, d, &curve)?;
         staging.write("density.png", |out| out.write_all(&picture))?;
         let middle = |i: usize| (i as f64 + 0.5) * d / DISPARITIES as f64;
         let row = |i: usize| cells.iter().map(|&(enter, exit)| self.density(middle(i), enter, exit)).collect();
         let far_m = (self.far_m() / self.cell_m).ceil().max(1.0) * self.cell_m;
         let picture = Kernel { far_m, max_disparity: d, density: (0..DISPARITIES).map(row).collect() };
-        let picture =
-            figures::kernel::draw("P(o | F): density of the reading if the first obstacle is in a cell", &picture)?;
+        let picture = kernel::draw("P(o | F): density of the reading if the first obstacle is in a cell", &picture)?;
         staging.write("kernel.png", |out| out.write_all(&picture))?;
         self.record(staging, scene, claims)
     }

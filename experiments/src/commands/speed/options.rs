@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::{Format, count, positive};
+use crate::output::args::{FormatOption, count, positive};
 
 /// Mappers that are measured where none are named: those that a robot would run, side by side with the ablations.
 pub(super) const MAPPERS: &str =
@@ -36,9 +36,9 @@ pub struct SpeedOptions {
     /// Folder for tables and pictures, written whole or not at all
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Form of the table on stdout
-    #[arg(long, value_enum, default_value_t)]
-    pub format: Format,
+    /// How the table is printed
+    #[command(flatten)]
+    pub print: FormatOption,
 }
 
 const FORM: &str = "\

@@ -5,9 +5,9 @@ use serde_json::json;
 use super::job::Job;
 use super::parameters::Value as Setting;
 use super::regions::{RANGE_BY_LOOKS, range_by_looks};
-use crate::commands::compare::criteria::CRITERIA;
 use crate::failure::Failure;
 use crate::output::table::{field, optional};
+use crate::worlds::criteria::CRITERIA;
 use crate::worlds::run::{Ground, Trial};
 
 /// A map in a region, or what went wrong instead.

@@ -7,9 +7,8 @@ use serde_json::{Value, json};
 
 use super::candidates::Candidate;
 use super::fit::Fit;
-use super::{BATCH_SEEDS, TuneOptions, belief};
+use super::{BATCH_SEEDS, TuneOptions, belief, figure};
 use crate::failure::Failure;
-use crate::figures;
 use crate::output::folder::{RECORD, Staging};
 use crate::output::record::versions;
 use crate::output::table::{Table, aligned, rounded};
@@ -78,7 +77,7 @@ fn remark(fit: &Fit) -> String {
 /// A drawing that fails; a file that cannot be written.
 pub fn write(staging: &mut Staging, fits: &[Fit], options: &TuneOptions) -> Result<(), Failure> {
     staging.write("tuning.csv", |out| table(fits).write_csv(out).map_err(io::Error::other))?;
-    if let Some(picture) = figures::tuning::draw(fits)? {
+    if let Some(picture) = figure::draw(fits)? {
         staging.write("tuning.png", |out| out.write_all(&picture))?;
     }
     let files = staging.files_and(&[RECORD]);

@@ -6,8 +6,8 @@ use proptest::prelude::*;
 use sensor::Pose;
 
 use super::*;
-use crate::output::record::Stage;
 use crate::page::Moment;
+use crate::worlds::run::Stage;
 
 fn decoded(code: i16) -> f64 {
     1.0 / (1.0 + (-f64::from(code) * STEP).exp())

@@ -1,5 +1,5 @@
 use super::*;
-use crate::commands::compare::criteria::criterion;
+use crate::worlds::criteria::criterion;
 
 const SEEDS: u64 = 8;
 

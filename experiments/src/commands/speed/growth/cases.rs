@@ -6,7 +6,7 @@ use grid::GridSpec;
 use mapper::catalogue::Setup;
 use sensor::{Camera, Pose, Scan, Stereo};
 
-use super::{Against, Sizes};
+use super::curve::{Against, Sizes};
 use crate::commands::speed::hall::{Hall, RAYS, SCANS};
 use crate::commands::speed::scans::ScanSet;
 use crate::failure::Failure;

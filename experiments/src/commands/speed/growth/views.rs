@@ -3,7 +3,7 @@
 use plotters::prelude::SeriesLabelPosition;
 use serde_json::json;
 
-use super::{Against, Curve};
+use super::curve::{Against, Curve};
 use crate::commands::speed::tables::grouped;
 use crate::failure::Failure;
 use crate::figures::chart::{self, Axis, Chart, Mark, Series};

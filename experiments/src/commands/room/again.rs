@@ -1,4 +1,4 @@
-//! The page of a room folder.
+//! The page of a folder that `room` left, made anew.
 
 use std::path::PathBuf;
 
@@ -6,11 +6,14 @@ use mapper::Prior;
 use serde::Deserialize;
 use serde_json::Value;
 
-use super::source::Folder;
-use crate::cli::{Belief, Format, RoomOptions};
-use crate::commands::room::{self, Plan, document};
+use super::options::RoomOptions;
+use super::plan::Plan;
+use super::record::Record;
+use super::{document, outputs};
 use crate::failure::Failure;
-use crate::page::{self, Viewer, World};
+use crate::output::args::{Format, PriorOptions, ThreadsOption};
+use crate::page::{self, Folder, Viewer, World};
+use crate::worlds::run::Keep;
 
 /// What the page of a room needs of its record.
 #[derive(Deserialize)]
@@ -32,7 +35,7 @@ struct Configuration {
 
 impl Made {
     /// The options that lead to the same run.
-    fn options(self, belief: Belief) -> RoomOptions {
+    fn options(self, prior: PriorOptions) -> RoomOptions {
         let Configuration { scene, layout, seeds, mappers, .. } = self.configuration;
         let (seed, grid) = (self.seed, Some(self.grid.cell_m));
         RoomOptions {
@@ -42,25 +45,29 @@ impl Made {
             seeds,
             grid,
             mappers,
-            belief,
+            prior,
             out: None,
             format: Format::Text,
-            threads: None,
+            threads: ThreadsOption::default(),
         }
     }
 }
 
 /// The page, from the folder's numbers and its first seed.
-pub(super) fn page(folder: &Folder, record: &Value) -> Result<String, Failure> {
+///
+/// # Errors
+/// A folder that `room` did not leave, or whose numbers this program does not find again.
+pub fn page(folder: &Folder, record: &Value) -> Result<String, Failure> {
     let made: Made = folder.understand(record)?;
-    let belief = folder.belief(&made.configuration.prior, &made.configuration.reconciliation)?;
-    let options = made.options(belief);
+    let prior = folder.prior(&made.configuration.prior, &made.configuration.reconciliation)?;
+    let options = made.options(prior);
     let plan = Plan::of(&options)?;
-    let (trial, metrics) = room::first_seed(&plan, &options)?;
-    let stages = room::stages(&plan.ground, &trial);
-    folder.same_configuration(record, &room::record(&options, &plan.ground, &plan.mappers, &stages, &[]))?;
+    let keep = Keep { timeline: false, frames: plan.frames.clone() };
+    let trial = plan.ground.trial(options.seed, &plan.mappers, &plan.setup, &keep, &|_, _| ())?;
+    let stages = plan.ground.stages(&trial);
+    folder.same_configuration(record, &Record::of(&options, &plan.ground, &plan.mappers, &stages, &[]))?;
     let csv = folder.read("metrics.csv")?;
-    folder.same_numbers(&csv, &metrics)?;
+    folder.same_numbers(&csv, &outputs::metrics(&plan.ground, std::slice::from_ref(&trial), &stages))?;
     let rows = document::rows(&csv).map_err(|e| folder.refuse("metrics.csv", &e.to_string()))?;
     let viewer = Viewer { worlds: vec![World::new(&plan.ground, &trial, &stages, &plan.frames)] };
     let pictures = folder.pictures(record, &document::PICTURES)?;

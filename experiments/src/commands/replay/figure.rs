@@ -3,13 +3,13 @@
 use grid::Raster;
 use plotters::prelude::*;
 
-use super::ink::{self, INK, ROUTE};
-use super::panel::Panel;
-use super::png;
 use crate::failure::Failure;
+use crate::figures::ink::{self, INK, ROUTE};
+use crate::figures::panel::Panel;
+use crate::figures::png;
 
 /// What the picture shows.
-pub const CAPTION: &str =
+pub(super) const CAPTION: &str =
     "Maps from the same scans. White is free, black occupied, grey not known; blue is where the sensor went.";
 
 const GAP: u32 = 14;
@@ -22,7 +22,7 @@ const WIDTHS: [usize; 2] = [1400, 900];
 ///
 /// # Errors
 /// A drawing that fails.
-pub fn draw(maps: &[(&str, &Raster<f64>)], prior: f64, path: &[[f64; 2]]) -> Result<Vec<u8>, Failure> {
+pub(super) fn draw(maps: &[(&str, &Raster<f64>)], prior: f64, path: &[[f64; 2]]) -> Result<Vec<u8>, Failure> {
     let Some((_, first)) = maps.first() else { return png((1, 1), |_| Ok(())) };
     let spec = *first.spec();
     let columns = if maps.len() > 1 && spec.width < 2 * spec.height { 2 } else { 1 };
