@@ -5,3 +5,11 @@ pub mod digest;
 pub mod folder;
 pub mod record;
 pub mod table;
+
+use std::fmt::Display;
+use std::io::Write as _;
+
+/// Prints a line to stderr: nobody may be listening.
+pub fn note(line: impl Display) {
+    let _ = writeln!(std::io::stderr(), "{line}");
+}

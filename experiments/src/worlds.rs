@@ -6,3 +6,4 @@ pub mod criteria;
 pub mod mappers;
 pub mod run;
 pub mod scenes;
+pub mod site;

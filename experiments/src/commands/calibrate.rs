@@ -9,12 +9,11 @@ pub mod search;
 
 pub use options::CalibrateOptions;
 
-use std::io::{self, Write as _};
-
 use crate::failure::Failure;
 use crate::jobs::interruption;
 use crate::jobs::threads;
 use crate::output::folder::Staging;
+use crate::output::note;
 
 /// Fits and tells.
 ///
@@ -30,7 +29,7 @@ pub fn run(options: &CalibrateOptions) -> Result<(), Failure> {
     };
     if let (Some(staging), Some(folder)) = (staging, &options.out) {
         outputs::write(staging, options, &calibration)?;
-        let _ = writeln!(io::stderr(), "{}", folder.join("calibration.csv").display());
+        note(folder.join("calibration.csv").display());
     }
     outputs::table(&calibration).print(options.print.format, || outputs::text(&calibration))
 }

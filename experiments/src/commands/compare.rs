@@ -25,7 +25,6 @@ pub mod world;
 pub use again::page as renewed_page;
 pub use options::CompareOptions;
 
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -35,7 +34,7 @@ use self::findings::Findings;
 use self::journal::Journal;
 use self::options::Worlds;
 use self::plan::{Plan, REFERENCE};
-use self::world::{Job, World};
+use self::world::{WorldJob, WorldScores};
 use crate::failure::Failure;
 use crate::jobs::engine;
 use crate::jobs::interruption;
@@ -43,6 +42,7 @@ use crate::jobs::progress::Count;
 use crate::jobs::threads;
 use crate::output::args::Format;
 use crate::output::folder::Staging;
+use crate::output::note;
 use crate::worlds::claims as claim;
 
 /// Runs the comparison, or the rest of one that was interrupted.
@@ -69,7 +69,7 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     differences.print(options.format, || text::summary(&plan, &rows, &findings.claims))?;
     if options.format == Format::Text {
         let place = out.join("report.html");
-        let _ = writeln!(std::io::stderr(), "{} in {:.0} s", place.display(), start.elapsed().as_secs_f64());
+        note(format_args!("{} in {:.0} s", place.display(), start.elapsed().as_secs_f64()));
     }
     claim::all_hold(&findings.claims)
 }
@@ -87,7 +87,7 @@ fn configuration(plan: &Plan, record: &outputs::Record) -> Result<String, Failur
 }
 
 /// Maps and scores every world that is not yet finished.
-fn map_worlds(plan: &Plan, out: &Path, configuration: &str) -> Result<Vec<World>, Failure> {
+fn map_worlds(plan: &Plan, out: &Path, configuration: &str) -> Result<Vec<WorldScores>, Failure> {
     let jobs = plan.jobs();
     let journal = Journal::open(out, configuration)?;
     let finished = Arc::new(AtomicUsize::new(0));
@@ -103,7 +103,7 @@ fn map_worlds(plan: &Plan, out: &Path, configuration: &str) -> Result<Vec<World>
         let world = match journal.read(job) {
             Some(world) => world,
             None => {
-                let world = job.run(plan.family(job), &plan.belief, &plan.mappers)?;
+                let world = job.run(plan.family(job), &plan.assumed, &plan.mappers)?;
                 journal.keep(&world)?;
                 world
             }
@@ -117,13 +117,13 @@ fn map_worlds(plan: &Plan, out: &Path, configuration: &str) -> Result<Vec<World>
 }
 
 /// Repeats scans, and judges everything.
-fn judge(plan: &Plan, worlds: Vec<World>) -> Result<Findings, Failure> {
-    let firsts: Vec<Job> = plan.jobs().into_iter().take(plan.families.len()).collect();
+fn judge(plan: &Plan, worlds: Vec<WorldScores>) -> Result<Findings, Failure> {
+    let firsts: Vec<WorldJob> = plan.jobs().into_iter().take(plan.families.len()).collect();
     let repeated = match plan.repeats.is_empty() {
         true => Vec::new(),
         false => engine::each(&firsts, rayon::current_num_threads(), |job| {
             let family = plan.family(job);
-            repeats::repeat(job, family, &plan.belief, &plan.mappers, plan.repeated_scans, &plan.repeats)
+            repeats::repeat(job, family, &plan.assumed, &plan.mappers, plan.repeated_scans, &plan.repeats)
         })?,
     };
     let scopes = judgement::scopes(&worlds);

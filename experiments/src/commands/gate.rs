@@ -9,11 +9,11 @@ pub mod door;
 pub mod file;
 pub mod measure;
 pub mod options;
+pub mod source;
 pub mod tables;
 pub mod update;
 pub mod verdict;
 pub mod views;
-pub mod world;
 
 use std::fs::OpenOptions;
 use std::io::Write as _;
@@ -31,6 +31,7 @@ use self::measure::Values;
 use self::verdict::{Outcome, Verdict};
 use crate::failure::Failure;
 use crate::jobs::interruption;
+use crate::output::note;
 
 /// The command line of a program of your own: gates on your mappers and the built-in ones.
 ///
@@ -90,7 +91,7 @@ pub fn run_with(options: &GateOptions, own: &[Entry]) -> Result<(), Failure> {
         write(path, views::markdown(&outcomes, &heading).as_bytes(), shared)?;
     }
     tables::table(&outcomes).print(options.print.format, || tables::text(&outcomes, &heading))?;
-    let _ = writeln!(std::io::stderr(), "{} gates in {:.0} s", outcomes.len(), start.elapsed().as_secs_f64());
+    note(format_args!("{} gates in {:.0} s", outcomes.len(), start.elapsed().as_secs_f64()));
     all_pass(&outcomes)
 }
 
@@ -149,7 +150,7 @@ fn update(options: &GateOptions, asked: Asked) -> Result<(), Failure> {
         Ok(old) => old.unwrap_or_default(),
         // Nothing is to be kept of it.
         Err(Failure::BadInput(what)) if options.only.is_empty() && path.is_file() => {
-            let _ = writeln!(std::io::stderr(), "warning: {what}");
+            note(format_args!("warning: {what}"));
             Values::new()
         }
         Err(failure) => return Err(failure),
@@ -160,7 +161,7 @@ fn update(options: &GateOptions, asked: Asked) -> Result<(), Failure> {
     let table = update::table(&gates.gates, &old, &new);
     table.print(options.print.format, || update::text(&gates.gates, &old, &new))?;
     let gone = old.keys().filter(|key| !new.contains_key(key)).count();
-    let _ = writeln!(std::io::stderr(), "{}: {} values, {gone} gone; commit it and say why", path.display(), new.len());
+    note(format_args!("{}: {} values, {gone} gone; commit it and say why", path.display(), new.len()));
     Ok(())
 }
 

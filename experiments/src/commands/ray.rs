@@ -25,6 +25,7 @@ use crate::failure::Failure;
 use crate::jobs::interruption;
 use crate::output::args::Format;
 use crate::output::folder::{RECORD, Staging};
+use crate::output::note;
 use crate::output::record::versions;
 use crate::output::table;
 use crate::worlds::claims::{self, Claim};
@@ -53,7 +54,7 @@ pub fn run(options: &RayOptions) -> Result<(), Failure> {
     if let (Some(staging), Some(folder)) = (staging, &folder) {
         Outputs { name: &name, case: case.as_ref(), ray: &ray, answers: &answers, curve: &curve, claims: &claims }
             .write(staging)?;
-        let _ = writeln!(io::stderr(), "{}", folder.join("ray.png").display());
+        note(folder.join("ray.png").display());
     }
     match options.format {
         Format::Json => table::print(&views::json(&answers)?)?,

@@ -10,7 +10,6 @@ mod recording;
 
 pub use options::ReplayOptions;
 
-use std::io::{self, Write as _};
 use std::time::Instant;
 
 use mapper::catalogue::Setup;
@@ -23,6 +22,7 @@ use crate::jobs::interruption;
 use crate::jobs::threads;
 use crate::output::args::Format;
 use crate::output::folder::Staging;
+use crate::output::note;
 use crate::worlds::mappers::entries;
 
 /// Maps a log and scores the maps by the scans that were kept back.
@@ -72,15 +72,14 @@ pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
     if options.print.format == Format::Text {
         let place = options.out().join("report.html");
         let mapped = survey.kept - survey.kept / options.hold_out;
-        let _ = writeln!(
-            io::stderr(),
+        note(format_args!(
             "{} in {:.1} s; {:.0} scans/s by {} mappers at once{}",
             place.display(),
             start.elapsed().as_secs_f64(),
             mapped as f64 / seconds,
             entries.len(),
             pace(&survey, start.elapsed().as_secs_f64())
-        );
+        ));
     }
     Ok(())
 }

@@ -3,7 +3,6 @@
 //! Numbers come from the folder. The maps that the page shows on the way are no files, so the command that left the
 //! folder simulates the worlds shown again, and must find the numbers that stand in the folder.
 
-use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -11,6 +10,7 @@ use serde_json::Value;
 
 use crate::failure::Failure;
 use crate::output::folder::{self, RECORD};
+use crate::output::note;
 use crate::page::Folder;
 
 /// Options of `report`.
@@ -44,6 +44,6 @@ pub fn run(options: &ReportOptions, pages: &[(&str, Renewal)]) -> Result<(), Fai
     let html = renewed(&folder, &record)?;
     let out = options.out.clone().unwrap_or_else(|| options.folder.join("report.html"));
     folder::replace(&out, html.as_bytes())?;
-    let _ = writeln!(std::io::stderr(), "{}", out.display());
+    note(out.display());
     Ok(())
 }

@@ -11,7 +11,6 @@ mod summary;
 pub use again::page as renewed_page;
 pub use options::RoomOptions;
 
-use std::io::Write as _;
 use std::path::Path;
 use std::time::Instant;
 
@@ -26,6 +25,7 @@ use crate::jobs::progress::Progress;
 use crate::jobs::threads;
 use crate::output::args::Format;
 use crate::output::folder::Staging;
+use crate::output::note;
 use crate::worlds::claims::{self, Claim};
 use crate::worlds::run::{Ground, Keep, Trial};
 
@@ -54,11 +54,11 @@ pub fn run(options: &RoomOptions) -> Result<(), Failure> {
     metrics.print(options.format, || summary::text(&ground, &trials, &stages, &claims))?;
     if options.format == Format::Text {
         let place = out.join("report.html");
-        let _ = writeln!(std::io::stderr(), "{} in {:.1} s", place.display(), start.elapsed().as_secs_f64());
+        note(format_args!("{} in {:.1} s", place.display(), start.elapsed().as_secs_f64()));
     }
     if claims.is_empty() && ground.scene.regions.iter().any(|region| region.claims) {
         let note = "note: the scene's claims compare visibility with conventional; without both they are not judged";
-        let _ = writeln!(std::io::stderr(), "{note}");
+        crate::output::note(note);
     }
     claims::all_hold(&claims)
 }

@@ -8,14 +8,13 @@ mod view;
 
 pub use options::SensorOptions;
 
-use std::io::{self, Write as _};
-
 use scene::Scene;
 
 use self::view::View;
 use crate::failure::Failure;
 use crate::jobs::interruption;
 use crate::output::folder::Staging;
+use crate::output::note;
 use crate::worlds::claims;
 
 /// Shows the camera of a scene, and checks that its densities are densities.
@@ -31,7 +30,7 @@ pub fn run(options: &SensorOptions) -> Result<(), Failure> {
     let claims = camera.claims(&columns);
     camera.write(&mut staging, &options.scene.display().to_string(), &claims)?;
     staging.publish()?;
-    let _ = writeln!(io::stderr(), "{}", options.out.join("kernel.png").display());
+    note(options.out.join("kernel.png").display());
 
     let table = camera.table(&columns);
     table.print(options.print.format, || camera.text(&scene.name, &table, &claims))?;

@@ -12,7 +12,6 @@ pub mod tables;
 
 pub use options::SpeedOptions;
 
-use std::io::{self, Write as _};
 use std::sync::Arc;
 
 use mapper::catalogue::Setup;
@@ -28,6 +27,7 @@ use crate::jobs::progress::Count;
 use crate::jobs::threads;
 use crate::output::args::Format;
 use crate::output::folder::Staging;
+use crate::output::note;
 use crate::output::table;
 use crate::worlds::mappers::entries;
 
@@ -54,10 +54,9 @@ pub fn run(options: &SpeedOptions) -> Result<(), Failure> {
     let staging = options.out.as_deref().map(Staging::open).transpose()?;
     threads::limit(Some(1))?;
     if cfg!(debug_assertions) {
-        let _ = writeln!(
-            io::stderr(),
+        note(format_args!(
             "warning: this build checks every map after every scan, and is slower for it; run with cargo run --release"
-        );
+        ));
     }
 
     let (repeats, sizes) = (options.repeats as usize, Sizes::default());
@@ -70,7 +69,7 @@ pub fn run(options: &SpeedOptions) -> Result<(), Failure> {
 
     if let (Some(staging), Some(folder)) = (staging, &options.out) {
         outputs::write(staging, &speeds, &conditions, curves.as_deref())?;
-        let _ = writeln!(io::stderr(), "{}", folder.join("speed.csv").display());
+        note(folder.join("speed.csv").display());
     }
     let table = tables::table(&speeds, &conditions);
     match (options.print.format, &curves) {

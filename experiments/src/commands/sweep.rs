@@ -1,5 +1,6 @@
 //! `sweep`: many settings over many worlds, in shards that can run anywhere, and one table of all of them.
 
+mod conclusion;
 pub mod engine;
 pub mod estimate;
 pub mod file;
@@ -12,30 +13,28 @@ pub mod plots;
 pub mod regions;
 pub mod row;
 pub mod shard;
-pub mod site;
 mod slurm;
+pub mod source;
 
 pub use options::SweepOptions;
 
 use std::fs;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use serde_json::json;
 
 use self::manifest::{Manifest, Replace};
+use self::merge::TABLE;
 use self::options::{MergeOptions, Part, PlanOptions, RunOptions, StatusOptions};
 use self::shard::State;
 use crate::failure::Failure;
 use crate::jobs::interruption;
 use crate::jobs::threads;
 use crate::output::folder::{self, RECORD};
+use crate::output::note;
 use crate::output::record::versions;
 use crate::output::table::{self, Table};
-
-/// Name of the merged table.
-pub const TABLE: &str = "table.csv";
 
 /// Does what the options ask for.
 ///
@@ -72,7 +71,7 @@ fn plan(options: &PlanOptions) -> Result<(), Failure> {
         if options.replace { Replace::Always } else { Replace::Never },
     )?;
     let place = folder.join(manifest::MANIFEST);
-    say(&format!("{}: {} jobs in {} shards", place.display(), manifest.head.jobs, manifest.head.shards));
+    note(format_args!("{}: {} jobs in {} shards", place.display(), manifest.head.jobs, manifest.head.shards));
     Ok(())
 }
 
@@ -108,12 +107,12 @@ fn work(manifest: &Manifest, named: Option<&Vec<u32>>, threads: Option<u32>) -> 
         && let Some(estimate) = estimate::sample(manifest, &shards, threads)?
         && let Some(announcement) = estimate.announce(manifest)?
     {
-        say(&announcement);
+        note(announcement);
     }
     let ran = engine::run(manifest, &shards, threads)?;
     let failed = if ran.failed > 0 { format!(", {} with an error", counted(ran.failed, "row")) } else { String::new() };
     let (place, time) = (manifest.folder.display(), start.elapsed().as_secs_f64());
-    say(&format!(
+    note(format_args!(
         "{place}: {} in {} in {time:.0} s{failed}",
         counted(ran.jobs, "job"),
         counted(shards.len() as u64, "shard")
@@ -163,13 +162,7 @@ fn missing(manifest: &Manifest) -> Result<(), Failure> {
 
 fn merge(options: &MergeOptions) -> Result<(), Failure> {
     let manifest = Manifest::open(&options.folder)?;
-    merge_into(&manifest, &options.out.clone().unwrap_or_else(|| options.folder.join(TABLE)))
-}
-
-fn merge_into(manifest: &Manifest, out: &Path) -> Result<(), Failure> {
-    let rows = merge::merge(manifest, out)?;
-    say(&format!("{}: {rows} rows", out.display()));
-    Ok(())
+    conclusion::merge(&manifest, &options.out.clone().unwrap_or_else(|| options.folder.join(TABLE)))
 }
 
 /// Plans, runs, merges and plots a sweep on this machine.
@@ -184,22 +177,14 @@ fn all(file: &Path, options: &SweepOptions) -> Result<(), Failure> {
         if options.replace { Replace::Always } else { Replace::OtherBuild },
     )?;
     if former.is_some_and(|former| former.digest != manifest.digest) {
-        say(&format!(
+        note(format_args!(
             "{}: another build, or another sweep, has planned it before: all of it runs again",
             folder.display()
         ));
     }
     work(&manifest, None, options.threads.count)?;
-    let pictures = conclude(&manifest)?;
+    let pictures = conclusion::conclude(&manifest)?;
     record(&sweep, &manifest, pictures)
-}
-
-/// Merges a sweep all of whose shards are done, draws the table, and gives the names of the pictures.
-fn conclude(manifest: &Manifest) -> Result<Vec<String>, Failure> {
-    merge_into(manifest, &manifest.folder.join(TABLE))?;
-    let pictures = plots::draw(&manifest.folder)?;
-    pictures.iter().for_each(|picture| say(&manifest.folder.join(picture).display().to_string()));
-    Ok(pictures)
 }
 
 /// Leaves `run.json`, with nothing in it that changes from build to build.
@@ -220,8 +205,4 @@ fn record(sweep: &file::Sweep, manifest: &Manifest, mut files: Vec<String>) -> R
 
 fn counted(count: u64, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
-}
-
-fn say(text: &str) {
-    let _ = writeln!(std::io::stderr(), "{text}"); // nobody may be listening
 }

@@ -9,23 +9,22 @@ pub mod outputs;
 
 pub use options::TuneOptions;
 
-use std::io::Write as _;
 use std::time::Instant;
 
-use mapper::{Prior, Reconciliation};
 use scene::Set;
 
 use self::candidates::{Candidate, Tuned};
 use self::fit::Fit;
-use crate::commands::compare::world::{Belief, Job};
 use crate::failure::Failure;
 use crate::jobs::engine;
 use crate::jobs::interruption;
 use crate::jobs::progress::Count;
 use crate::jobs::threads;
 use crate::output::folder::Staging;
+use crate::output::note;
 use crate::worlds::condition::AS_BELIEVED;
 use crate::worlds::scenes::families;
+use crate::worlds::site::WorldId;
 
 /// Mappers that take all scans at once are fitted on so many worlds of each family: they cost ten times as much.
 pub const BATCH_SEEDS: u32 = 3;
@@ -47,13 +46,9 @@ pub fn run(options: &TuneOptions) -> Result<(), Failure> {
     let progress = Count::worlds(tasks.len());
     let errors = engine::each(&tasks, rayon::current_num_threads(), |task| {
         let family = &families[task.family];
-        let job = Job {
-            family: family.name.clone(),
-            condition: AS_BELIEVED.name.to_owned(),
-            seed: task.seed,
-            batch: mappers[task.mapper].is_batch(),
-        };
-        let errors = fit::errors(&job, family, &belief(), &grids[task.mapper])?;
+        let (family_name, condition) = (family.name.clone(), AS_BELIEVED.name.to_owned());
+        let world = WorldId { family: family_name, condition, cell_um: None, seed: task.seed };
+        let errors = fit::errors(&world, family, &grids[task.mapper])?;
         progress.step();
         Ok(errors)
     });
@@ -68,7 +63,7 @@ pub fn run(options: &TuneOptions) -> Result<(), Failure> {
     staging.publish()?;
 
     let place = options.out.join("tuning.csv");
-    let _ = writeln!(std::io::stderr(), "{} in {:.0} s", place.display(), start.elapsed().as_secs_f64());
+    note(format_args!("{} in {:.0} s", place.display(), start.elapsed().as_secs_f64()));
     outputs::table(&fits).print(options.format, || outputs::text(&fits, options))
 }
 
@@ -90,11 +85,6 @@ fn tasks(mappers: &[Tuned], seeds: u64, families: usize) -> Vec<Task> {
     }
     tasks.sort_by_key(|task| !mappers[task.mapper].is_batch());
     tasks
-}
-
-/// What all candidates believe, as far as it is not what is fitted.
-fn belief() -> Belief {
-    Belief { prior: Prior::default(), reconciliation: Reconciliation::default() }
 }
 
 /// The mappers in the order of tables.

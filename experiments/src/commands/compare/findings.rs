@@ -2,13 +2,13 @@
 
 use super::judgement::{Judgement, Scope};
 use super::repeats::Repeated;
-use super::world::World;
+use super::world::WorldScores;
 use crate::worlds::claims::Claim;
 
 /// What a comparison has found.
 pub struct Findings {
     /// The scores of every world, in the order of the jobs.
-    pub worlds: Vec<World>,
+    pub worlds: Vec<WorldScores>,
     /// What is judged together.
     pub scopes: Vec<Scope>,
     /// Every mapper against the reference.

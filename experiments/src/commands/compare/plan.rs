@@ -7,11 +7,12 @@ use mapper::catalogue::{Entry, Kind, MAPPERS};
 use scene::{Family, Set};
 
 use super::options::{CompareOptions, Worlds};
-use super::world::{Belief, Job};
+use super::world::WorldJob;
 use crate::failure::Failure;
 use crate::worlds::condition::{AS_BELIEVED, Condition, DEPARTURES};
 use crate::worlds::mappers::entries;
 use crate::worlds::scenes::families;
+use crate::worlds::site::{Assumptions, WorldId};
 
 /// The mapper that all are compared with.
 pub const REFERENCE: &str = "visibility";
@@ -33,8 +34,8 @@ pub struct Plan {
     pub batch_seeds: u64,
     /// The mappers, the reference among them.
     pub mappers: Vec<&'static Entry>,
-    /// What they believe.
-    pub belief: Belief,
+    /// What they assume.
+    pub assumed: Assumptions,
     /// How often a scan is repeated, rising; nothing is where nothing is to be repeated.
     pub repeats: Vec<usize>,
     /// Scans of each repeated world.
@@ -84,14 +85,14 @@ impl Plan {
             seeds,
             batch_seeds,
             mappers,
-            belief: Belief { prior: options.prior.prior(), reconciliation: options.prior.reconciliation() },
+            assumed: Assumptions::of(&options.prior),
             repeats,
             repeated_scans,
         })
     }
 
     /// The worlds, a seed of every family and condition after the other.
-    pub fn jobs(&self) -> Vec<Job> {
+    pub fn jobs(&self) -> Vec<WorldJob> {
         let set = match self.set {
             Worlds::Test => Set::Test,
             Worlds::Robustness => Set::Robustness,
@@ -100,10 +101,13 @@ impl Plan {
         let mut jobs = Vec::new();
         for (number, seed) in set.seeds(self.seeds).enumerate() {
             for family in &self.families {
-                jobs.extend(self.conditions.iter().map(|condition| Job {
-                    family: family.name.clone(),
-                    condition: (*condition).to_owned(),
-                    seed,
+                jobs.extend(self.conditions.iter().map(|condition| WorldJob {
+                    world: WorldId {
+                        family: family.name.clone(),
+                        condition: (*condition).to_owned(),
+                        cell_um: None,
+                        seed,
+                    },
                     batch: (number as u64) < self.batch_seeds,
                 }));
             }
@@ -115,9 +119,9 @@ impl Plan {
     ///
     /// # Panics
     /// If the job is not of this plan.
-    pub fn family(&self, job: &Job) -> &Family {
-        let family = self.families.iter().find(|family| family.name == job.family);
-        family.unwrap_or_else(|| panic!("no family is called {}", job.family))
+    pub fn family(&self, job: &WorldJob) -> &Family {
+        let family = self.families.iter().find(|family| family.name == job.world.family);
+        family.unwrap_or_else(|| panic!("no family is called {}", job.world.family))
     }
 
     /// Names of the mappers.

@@ -5,23 +5,23 @@ use serde_json::{Value, json};
 
 use super::judgement::{Judgement, Scope};
 use super::repeats::Repeated;
-use super::world::{ErrorSum, MapScores, World};
+use super::world::{ErrorSum, MapScores, WorldScores};
 use crate::output::table::{Table, optional, rounded};
 use crate::worlds::criteria::CRITERIA;
 
 /// Every metric of every world, mapper and region: a row each, a column per metric.
-pub fn scores(worlds: &[World]) -> Table {
+pub fn scores(worlds: &[WorldScores]) -> Table {
     let metrics = CRITERIA.iter().map(|criterion| criterion.metric);
     let columns: Vec<&str> =
         ["condition", "family", "seed", "mapper", "region", "cells"].into_iter().chain(metrics).collect();
     let mut table = Table::new(&columns);
-    for World { job, maps } in worlds {
+    for WorldScores { job, maps } in worlds {
         for map in maps {
             for scores in &map.regions {
                 let mut row = vec![
-                    json!(job.condition),
-                    json!(job.family),
-                    json!(job.seed),
+                    json!(job.world.condition),
+                    json!(job.world.family),
+                    json!(job.world.seed),
                     json!(map.mapper),
                     json!(scores.region),
                     json!(scores.cells),
@@ -35,7 +35,7 @@ pub fn scores(worlds: &[World]) -> Table {
 }
 
 /// Mean and spread over the worlds of every scope.
-pub fn summary(worlds: &[World], scopes: &[Scope], mappers: &[&str]) -> Table {
+pub fn summary(worlds: &[WorldScores], scopes: &[Scope], mappers: &[&str]) -> Table {
     let columns = ["scope", "region", "mapper", "metric", "unit", "worlds", "mean", "standard_deviation"];
     let mut table = Table::new(&columns);
     for scope in scopes {
@@ -61,7 +61,13 @@ pub fn summary(worlds: &[World], scopes: &[Scope], mappers: &[&str]) -> Table {
 }
 
 /// The spread of a metric, by its place among [`CRITERIA`], over those worlds of a scope in which it has a value.
-pub fn over_worlds(worlds: &[World], scope: &Scope, mapper: &str, region: &str, criterion: usize) -> Option<Summary> {
+pub fn over_worlds(
+    worlds: &[WorldScores],
+    scope: &Scope,
+    mapper: &str,
+    region: &str,
+    criterion: usize,
+) -> Option<Summary> {
     let values = scope.worlds.iter().filter_map(|&world| worlds[world].value(mapper, region, criterion));
     Summary::of(&values.collect::<Vec<_>>())
 }
@@ -119,7 +125,7 @@ pub fn differences(judgements: &[Judgement], reference: &str) -> Table {
 }
 
 /// Reliability diagrams over all worlds of a scope, in the observable region.
-pub fn reliability(worlds: &[World], scopes: &[Scope], mappers: &[&str]) -> Table {
+pub fn reliability(worlds: &[WorldScores], scopes: &[Scope], mappers: &[&str]) -> Table {
     let columns = ["scope", "mapper", "from", "to", "cells", "mean_probability", "observed_share"];
     let mut table = Table::new(&columns);
     for scope in scopes {
@@ -142,7 +148,7 @@ pub fn reliability(worlds: &[World], scopes: &[Scope], mappers: &[&str]) -> Tabl
 
 /// Error against the range from which a cell was seen best, and against the number of looks at it, over
 /// all worlds of a scope, in the observable region. The last bin is open: its upper edge is empty.
-pub fn profiles(worlds: &[World], scopes: &[Scope], mappers: &[&str]) -> Table {
+pub fn profiles(worlds: &[WorldScores], scopes: &[Scope], mappers: &[&str]) -> Table {
     let columns = ["scope", "mapper", "covariate", "from", "to", "cells", "log_loss", "brier"];
     let mut table = Table::new(&columns);
     for scope in scopes {
@@ -174,7 +180,7 @@ pub const COVARIATES: [(&str, &[f64], Profile); 2] =
     [("range_m", &RANGE_EDGES_M, |map| &map.range), ("looks", &LOOK_EDGES, |map| &map.looks)];
 
 /// The reliability bins of a mapper over the worlds of a scope.
-pub fn pooled_reliability(worlds: &[World], scope: &Scope, mapper: &str) -> Vec<ProbabilityBin> {
+pub fn pooled_reliability(worlds: &[WorldScores], scope: &Scope, mapper: &str) -> Vec<ProbabilityBin> {
     let mut pooled = vec![ProbabilityBin::default(); PROBABILITY_EDGES.len() - 1];
     for map in maps(worlds, scope, mapper) {
         pooled.iter_mut().zip(&map.reliability).for_each(|(bin, other)| bin.merge(other));
@@ -183,7 +189,7 @@ pub fn pooled_reliability(worlds: &[World], scope: &Scope, mapper: &str) -> Vec<
 }
 
 /// The error bins of a mapper over the worlds of a scope.
-pub fn pooled_errors(worlds: &[World], scope: &Scope, mapper: &str, of: Profile) -> Vec<ErrorSum> {
+pub fn pooled_errors(worlds: &[WorldScores], scope: &Scope, mapper: &str, of: Profile) -> Vec<ErrorSum> {
     let mut pooled: Vec<ErrorSum> = Vec::new();
     for map in maps(worlds, scope, mapper) {
         pooled.resize(of(map).len(), ErrorSum::default());
@@ -192,7 +198,7 @@ pub fn pooled_errors(worlds: &[World], scope: &Scope, mapper: &str, of: Profile)
     pooled
 }
 
-fn maps<'a>(worlds: &'a [World], scope: &'a Scope, mapper: &'a str) -> impl Iterator<Item = &'a MapScores> {
+fn maps<'a>(worlds: &'a [WorldScores], scope: &'a Scope, mapper: &'a str) -> impl Iterator<Item = &'a MapScores> {
     scope.worlds.iter().filter_map(move |&world| worlds[world].maps.iter().find(|map| map.mapper == mapper))
 }
 

@@ -8,11 +8,11 @@ use serde_json::json;
 
 use super::file::Gate;
 use super::measure::{Key, Values};
-use super::world::{MICROMETRES, World};
 use crate::failure::Failure;
 use crate::output::folder;
 use crate::output::table::{Table, optional};
 use crate::worlds::condition::condition;
+use crate::worlds::site::{MICROMETRES, WorldId};
 
 const COLUMNS: [&str; 8] = ["mapper", "metric", "region", "family", "condition", "grid", "seed", "value"];
 
@@ -64,7 +64,7 @@ pub fn read(path: &Path) -> Result<Option<Values>, Failure> {
 fn row(record: &csv::StringRecord) -> Option<(Key, Option<f64>)> {
     let fields: [&str; 8] = record.iter().collect::<Vec<_>>().try_into().ok()?;
     let [mapper, metric, region, family, named, grid, seed, value] = fields;
-    let condition = condition(named)?.name;
+    let condition = condition(named)?.name.to_owned();
     let cell_um = match grid {
         "" => None,
         text => {
@@ -76,7 +76,7 @@ fn row(record: &csv::StringRecord) -> Option<(Key, Option<f64>)> {
         "" => None,
         text => Some(text.parse().ok().filter(|value: &f64| value.is_finite())?),
     };
-    let world = World { family: family.to_owned(), condition, cell_um, seed: seed.parse().ok()? };
+    let world = WorldId { family: family.to_owned(), condition, cell_um, seed: seed.parse().ok()? };
     let [mapper, metric, region] = [mapper, metric, region].map(str::to_owned);
     Some((Key { mapper, metric, region, world }, value))
 }

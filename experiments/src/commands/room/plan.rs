@@ -1,14 +1,14 @@
 //! What a room is mapped by.
 
-use std::sync::Arc;
-
 use mapper::catalogue::{Entry, Setup};
 
 use super::options::RoomOptions;
 use crate::failure::Failure;
 use crate::page;
+use crate::worlds::condition::AS_BELIEVED;
 use crate::worlds::mappers::entries;
 use crate::worlds::run::Ground;
+use crate::worlds::site::{Assumptions, Site};
 
 /// Everything that a trial needs, from the options.
 pub(super) struct Plan {
@@ -22,12 +22,8 @@ pub(super) struct Plan {
 impl Plan {
     pub(super) fn of(options: &RoomOptions) -> Result<Self, Failure> {
         let mappers = entries(&options.mappers)?;
-        let ground = Ground::new(scene::load(&options.scene, options.grid, options.layout)?, options.prior.occupancy)?;
-        let setup = Setup {
-            prior: options.prior.prior(),
-            reconciliation: options.prior.reconciliation(),
-            ..Setup::new(ground.scene.grid, Arc::new(ground.scene.matcher.stereo))
-        };
+        let scene = scene::load(&options.scene, options.grid, options.layout)?;
+        let Site { ground, setup } = Site::of(scene, &AS_BELIEVED, &Assumptions::of(&options.prior))?;
         Ok(Self { frames: page::moments(&ground, page::FRAMES), ground, mappers, setup })
     }
 }

@@ -2,19 +2,20 @@
 //! rows, so that it can run anywhere and in any order.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::Arc;
 
-use mapper::catalogue::{Entry, Setup, find};
+use mapper::catalogue::{Entry, find};
 use mapper::{CorrelationLaw, Prior, Reconciliation, Tuning, estimate};
 use sensor::Stereo;
 use serde::{Deserialize, Serialize};
 
 use super::parameters::{Parameter, Settings, number_of, parameter, word_of};
 use super::row::{Row, rows};
-use super::site::{Site, Source};
+use super::source::{Source, SourceFile};
 use crate::failure::{Failure, panic_text};
 use crate::output::digest;
+use crate::worlds::condition::AS_BELIEVED;
 use crate::worlds::run::{Ground, Keep};
+use crate::worlds::site::{Assumptions, Site};
 
 /// A job.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -22,7 +23,7 @@ use crate::worlds::run::{Ground, Keep};
 pub struct Job {
     /// Scene or family file.
     pub file: String,
-    /// Digest of what it says, see [`Site`].
+    /// Digest of what it says, see [`SourceFile`].
     pub digest: String,
     /// Whether it is a family, of which the seed is also the layout.
     pub family: bool,
@@ -38,7 +39,7 @@ pub struct Job {
 
 /// The part of a job that decides the readings.
 #[derive(Serialize)]
-struct World<'a> {
+struct Readings<'a> {
     digest: &'a str,
     seed: u64,
     settings: Settings,
@@ -62,7 +63,7 @@ impl Job {
         let of_world = |key: &String| parameter(key).is_some_and(Parameter::of_world);
         let settings = self.settings.iter().filter(|(key, _)| of_world(key));
         let settings = settings.map(|(key, value)| (key.clone(), value.clone())).collect();
-        let world = World { digest: &self.digest, seed: self.seed, settings };
+        let world = Readings { digest: &self.digest, seed: self.seed, settings };
         digest::number(serde_json::to_string(&world).unwrap_or_default().as_bytes())
     }
 
@@ -72,7 +73,8 @@ impl Job {
     /// A file that cannot be read, or that says something else than when the job was planned: that is no result, and
     /// another time it may be one.
     pub fn run(&self) -> Result<Vec<Row>, Failure> {
-        let source = Site { file: self.file.clone(), digest: self.digest.clone(), family: self.family }.source()?;
+        let source =
+            SourceFile { file: self.file.clone(), digest: self.digest.clone(), family: self.family }.source()?;
         let rows = |mappers: &[String]| caught(|| self.map(&source, mappers));
         Ok(rows(&self.mappers).unwrap_or_else(|error| match self.mappers.as_slice() {
             [] => Vec::new(),
@@ -87,7 +89,7 @@ impl Job {
     }
 
     fn map(&self, source: &Source, names: &[String]) -> Result<Vec<Row>, Failure> {
-        let (mut ground, setup) = self.ground(source)?;
+        let Site { mut ground, setup } = self.site(source)?;
         self.thin(&mut ground);
         let unknown = |name: &str| Failure::BadInput(format!("there is no mapper {name:?}"));
         let mappers: Vec<&Entry> =
@@ -96,25 +98,23 @@ impl Job {
         rows(self, &ground, &trial)
     }
 
-    /// The world, and what the mappers believe of it: the camera that is simulated, unless a setting says otherwise.
-    fn ground(&self, source: &Source) -> Result<(Ground, Setup), Failure> {
-        let (number, word) = (|key| number_of(&self.settings, key), |key| word_of(&self.settings, key));
+    /// The world, and what the mappers assume of it: the camera that is simulated, unless a setting says otherwise.
+    fn site(&self, source: &Source) -> Result<Site, Failure> {
+        let number = |key| number_of(&self.settings, key);
         let scene = source.scene(self.seed, &self.settings)?;
-        let camera = scene.matcher.stereo;
-        let believed = Stereo {
-            correct_match: number("believed_correct_match").unwrap_or(camera.correct_match),
-            disparity_sigma: number("believed_sigma").unwrap_or(camera.disparity_sigma),
-            ..camera
+        let simulated = scene.matcher.stereo;
+        let camera = Stereo {
+            correct_match: number("believed_correct_match").unwrap_or(simulated.correct_match),
+            disparity_sigma: number("believed_sigma").unwrap_or(simulated.disparity_sigma),
+            ..simulated
         };
-        let prior = self.prior();
-        let reconciliation = match word("reconciliation") {
+        let reconciliation = match word_of(&self.settings, "reconciliation") {
             Some("touched") => Reconciliation::Touched,
             Some(_) => Reconciliation::AllEdges,
             None => Reconciliation::default(),
         };
-        let tuning = self.tuning()?;
-        let setup = Setup { prior, reconciliation, tuning, ..Setup::new(scene.grid, Arc::new(believed)) };
-        Ok((Ground::new(scene, prior.occupancy)?, setup))
+        let (prior, tuning) = (self.prior(), self.tuning()?);
+        Site::of(scene, &AS_BELIEVED, &Assumptions { prior, reconciliation, tuning, camera: Some(camera) })
     }
 
     /// Parameters of rules other than the paper's.
@@ -230,7 +230,7 @@ mod tests {
     fn a_failure_is_a_row_and_not_that_of_other_mappers() {
         let scene = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/room.toml");
         let mappers = ["prior", "no such mapper"].map(str::to_owned).to_vec();
-        let site = Site::load(&scene, false).expect("a scene");
+        let site = SourceFile::load(&scene, false).expect("a scene");
         let mut job = Job { file: site.file, digest: site.digest, mappers, ..job() };
         job.settings.insert("grid".to_owned(), Value::Number(0.5));
         let rows = job.run().expect("the file is as it was");

@@ -10,6 +10,9 @@ use super::shard::{self, State};
 use crate::failure::Failure;
 use crate::output::folder::Temporary;
 
+/// Name of the merged table.
+pub const TABLE: &str = "table.csv";
+
 /// Writes the table of a sweep, sorted by job, whole or not at all: since shards are runs of that order, their rows
 /// follow each other.
 ///

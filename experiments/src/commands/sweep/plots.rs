@@ -7,7 +7,7 @@ use std::path::Path;
 
 use plotters::prelude::SeriesLabelPosition;
 
-use super::TABLE;
+use super::merge::TABLE;
 use super::parameters::PARAMETERS;
 use crate::failure::Failure;
 use crate::figures::chart::{self, Axis, Chart, Mark, Series};

@@ -3,11 +3,12 @@
 use std::fmt::Write as _;
 use std::io::{self, Write as _};
 
+use mapper::Prior;
 use serde_json::{Value, json};
 
 use super::candidates::Candidate;
 use super::fit::Fit;
-use super::{BATCH_SEEDS, TuneOptions, belief, figure};
+use super::{BATCH_SEEDS, TuneOptions, figure};
 use crate::failure::Failure;
 use crate::output::folder::{RECORD, Staging};
 use crate::output::record::versions;
@@ -91,7 +92,7 @@ pub fn write(staging: &mut Staging, fits: &[Fit], options: &TuneOptions) -> Resu
             "seeds": options.seeds,
             "batch_seeds": options.seeds.min(BATCH_SEEDS),
             "mappers": fits.iter().map(|fit| fit.tuned.name()).collect::<Vec<_>>(),
-            "prior": belief().prior,
+            "prior": Prior::default(),
             "criterion": "mean log loss over the observable region at the end of the drive",
         },
         "chosen": chosen.collect::<serde_json::Map<_, _>>(),

@@ -13,7 +13,7 @@ use crate::output::digest::Running;
 /// A scene or family file.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Site {
+pub struct SourceFile {
     /// Its path, as the sweep names it.
     pub file: String,
     /// Digest of its text; of a scene also of what stands in it, which may come from a map.
@@ -29,7 +29,7 @@ pub struct Source {
     family: bool,
 }
 
-impl Site {
+impl SourceFile {
     /// Reads and checks a file.
     ///
     /// # Errors
