@@ -12,10 +12,7 @@ pub mod tables;
 
 pub use options::SpeedOptions;
 
-use std::sync::Arc;
-
 use mapper::catalogue::Setup;
-use sensor::Stereo;
 
 use self::growth::Sizes;
 use self::hall::Hall;
@@ -47,7 +44,7 @@ pub fn run(options: &SpeedOptions) -> Result<(), Failure> {
         }
     }
     let set = match &options.scans {
-        Some(path) => file::load(path)?,
+        Some(path) => file::load(path, options.sensor)?,
         None => Hall::new()?.scans(),
     };
     let (setup, conditions) = conditions(options, &set)?;
@@ -95,13 +92,12 @@ fn conditions(options: &SpeedOptions, set: &ScanSet) -> Result<(Setup, Condition
     let visited = set.visited(&grid);
     if visited.rays == 0 {
         return Err(Failure::BadInput(format!(
-            "{source}: column range_m: none of {} rays has a range that the camera can see; one must, at a depth of 0.25 m or more \
-             in front of it; check the unit of the ranges (m) and of the bearings (rad)",
+            "{source}: column range_m: none of {} rays has a range that the sensor can see; one must, of a camera at a depth of \
+             0.25 m or more in front of it; check the unit of the ranges (m) and of the bearings (rad)",
             set.rays()
         )));
     }
-    let stereo = Stereo::default();
-    let setup = Setup::new(grid, Arc::new(stereo));
+    let setup = Setup::new(grid, set.sensor());
     let processor = processor::name();
     let conditions = Conditions { source, scans: set.scans.len(), visited, grid, repeats: options.repeats, processor };
     Ok((setup, conditions))
