@@ -15,17 +15,15 @@ use crate::worlds::run::Ground;
 /// The first problem with the scene or its route.
 pub fn run(options: &SceneOptions) -> Result<(), Failure> {
     let ground = Ground::new(scene::load(&options.scene, options.grid, options.layout)?, Prior::default().occupancy)?;
-    let mut table = Table::new(&["item", "value", "unit"]);
-    for (item, value, unit) in facts(&ground) {
-        table.push(vec![json!(item), value, json!(unit)]);
-    }
+    let facts = facts(&ground);
+    let table = Table::of(
+        &facts,
+        &[("item", &|row| json!(row.0)), ("value", &|row| row.1.clone()), ("unit", &|row| json!(row.2))],
+    );
     table.print(options.print.format, || {
-        let text = |value: &Value| match value.as_str() {
-            Some("1") => String::new(), // a number of things has no unit to show
-            Some(text) => text.to_owned(),
-            None => value.to_string(),
-        };
-        let rows: Vec<Vec<String>> = table.rows().iter().map(|row| row.iter().map(text).collect()).collect();
+        // A number of things has no unit to show.
+        let unit = |unit: &str| if unit == "1" { String::new() } else { unit.to_owned() };
+        let rows: Vec<_> = facts.iter().map(|row| vec![row.0.clone(), row.1.to_string(), unit(row.2)]).collect();
         let layout = ground.scene.layout.map(|layout| format!(", layout {layout}")).unwrap_or_default();
         let table = aligned(&["item", "value", "unit"], &rows);
         format!("{}{layout}: valid\n\n{table}", options.scene.display())

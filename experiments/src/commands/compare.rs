@@ -33,6 +33,7 @@ use std::time::Instant;
 use self::findings::Findings;
 use self::journal::Journal;
 use self::options::Worlds;
+use self::outputs::Parts;
 use self::plan::{Plan, REFERENCE};
 use self::world::{WorldJob, WorldScores};
 use crate::failure::Failure;
@@ -43,6 +44,7 @@ use crate::jobs::threads;
 use crate::output::args::Format;
 use crate::output::folder::Staging;
 use crate::output::note;
+use crate::output::record::Record;
 use crate::worlds::claims as claim;
 
 /// Runs the comparison, or the rest of one that was interrupted.
@@ -81,7 +83,7 @@ fn default_folder(plan: &Plan, quick: bool) -> PathBuf {
 
 /// All that decides the scores of a world. The record names the families' files; what they say may change
 /// between an interruption and its continuation.
-fn configuration(plan: &Plan, record: &outputs::Record) -> Result<String, Failure> {
+fn configuration(plan: &Plan, record: &Record<Parts>) -> Result<String, Failure> {
     let record = serde_json::to_string(record).map_err(Failure::internal)?;
     Ok(format!("{record}\n{:?}", plan.families))
 }

@@ -15,7 +15,7 @@ pub use cases::{Case, NAMES, find};
 pub use options::RayOptions;
 pub use viewing_ray::{MOST_CELLS, ViewingRay, both};
 
-use std::io::{self, Write as _};
+use std::io::Write as _;
 use std::path::Path;
 
 use scene::reader::nearest;
@@ -24,9 +24,9 @@ use serde_json::json;
 use crate::failure::Failure;
 use crate::jobs::interruption;
 use crate::output::args::Format;
-use crate::output::folder::{RECORD, Staging};
+use crate::output::folder::Staging;
 use crate::output::note;
-use crate::output::record::versions;
+use crate::output::record::Record;
 use crate::output::table;
 use crate::worlds::claims::{self, Claim};
 
@@ -82,10 +82,7 @@ fn text(name: &str, case: Option<&Case>, ray: &ViewingRay, answers: &Answers, cl
         text += &format!("{}: {}\n\n", case.figure, case.about);
     }
     text += &views::text(name, ray, answers);
-    for claim in claims {
-        let verdict = if claim.holds { "holds" } else { "FAILS" };
-        text += &format!("\n{verdict}  {}:\n       {}", claim.claim, claim.measured);
-    }
+    text += &claims::below(claims);
     if claims.is_empty() { text } else { text + "\n" }
 }
 
@@ -111,28 +108,20 @@ impl Outputs<'_> {
         staging.write("ray.png", |out| out.write_all(&picture))?;
         if !self.curve.is_empty() {
             let table = certainty::table(self.curve);
-            staging.write("certainty.csv", |out| table.write_csv(out).map_err(io::Error::other))?;
+            table.save(&mut staging, "certainty.csv")?;
             let picture = figures::certainty(self.curve, cases::UNCHANGED)?;
             staging.write("certainty.png", |out| out.write_all(&picture))?;
         }
-        let files = staging.files_and(&[RECORD]);
-        let record = json!({
-            "schema_version": 1,
-            "command": "ray",
-            "configuration": {
-                "ray": name,
-                "about": case.map(|case| format!("{}: {}", case.figure, case.about.replace('\n', " "))),
-                "cells": ray.cells(),
-                "cell_size": ray.cell_size_m,
-                "observation": ray.observation_px,
-                "no_hit_likelihood": ray.no_hit_likelihood,
-                "sensor": ray.stereo,
-            },
-            "claims": self.claims,
-            "versions": versions(),
-            "files": files,
+        let configuration = json!({
+            "ray": name,
+            "about": case.map(|case| format!("{}: {}", case.figure, case.about.replace('\n', " "))),
+            "cells": ray.cells(),
+            "cell_size": ray.cell_size_m,
+            "observation": ray.observation_px,
+            "no_hit_likelihood": ray.no_hit_likelihood,
+            "sensor": ray.stereo,
         });
-        staging.record(&record)?;
+        Record::new("ray", json!({ "configuration": configuration, "claims": self.claims })).leave(&mut staging)?;
         staging.publish()
     }
 }

@@ -18,7 +18,7 @@ use mapper::catalogue::{Entry, Setup};
 use rayon::prelude::*;
 
 use self::plan::Plan;
-use self::record::Record;
+use self::record::Parts;
 use crate::failure::Failure;
 use crate::jobs::interruption;
 use crate::jobs::progress::Progress;
@@ -26,6 +26,7 @@ use crate::jobs::threads;
 use crate::output::args::Format;
 use crate::output::folder::Staging;
 use crate::output::note;
+use crate::output::record::Record;
 use crate::worlds::claims::{self, Claim};
 use crate::worlds::run::{Ground, Keep, Trial};
 
@@ -46,7 +47,7 @@ pub fn run(options: &RoomOptions) -> Result<(), Failure> {
     let stages = ground.stages(&trials[0]);
     let claimed = ground.scene.regions.iter().filter(|region| region.claims);
     let claims: Vec<Claim> = claimed.flat_map(|region| claims::judge(&trials, &region.name)).collect();
-    let mut record = Record::of(options, &ground, &mappers, &stages, &claims);
+    let mut record = Record::new("room", Parts::of(options, &ground, &mappers, &stages, &claims));
     let metrics = outputs::metrics(&ground, &trials, &stages);
     outputs::write(&mut staging, &ground, &trials, &stages, &frames, &metrics, &mut record)?;
     staging.publish()?;

@@ -33,7 +33,7 @@ use crate::jobs::interruption;
 use crate::jobs::threads;
 use crate::output::folder::{self, RECORD};
 use crate::output::note;
-use crate::output::record::versions;
+use crate::output::record::Record;
 use crate::output::table::{self, Table};
 
 /// Does what the options ask for.
@@ -135,21 +135,18 @@ fn status(options: &StatusOptions) -> Result<(), Failure> {
         }
     }
     let tries = fs::read_dir(shard::failures(&options.folder)).map_or(0, Iterator::count);
-    let mut table = Table::new(&["what", "count", "of"]);
-    for (what, count, of) in [
-        ("shards done", counts[0], Some(u64::from(manifest.head.shards))),
-        ("shards missing", counts[1], Some(u64::from(manifest.head.shards))),
-        ("shards not whole, or of another manifest", counts[2], Some(u64::from(manifest.head.shards))),
+    let shards = Some(u64::from(manifest.head.shards));
+    let rows = [
+        ("shards done", counts[0], shards),
+        ("shards missing", counts[1], shards),
+        ("shards not whole, or of another manifest", counts[2], shards),
         ("jobs done", jobs, Some(manifest.head.jobs)),
         ("rows", rows, None),
         ("tries that failed", tries as u64, None),
-    ] {
-        table.push(vec![json!(what), json!(count), json!(of)]);
-    }
-    table.print(options.print.format, || {
-        let cells = |row: &Vec<serde_json::Value>| row.iter().map(table::field).collect();
-        table::aligned(table.columns(), &table.rows().iter().map(cells).collect::<Vec<_>>())
-    })
+    ];
+    let table =
+        Table::of(&rows, &[("what", &|row| json!(row.0)), ("count", &|row| json!(row.1)), ("of", &|row| json!(row.2))]);
+    table.print(options.print.format, || table::aligned(table.columns(), &table.fields()))
 }
 
 /// Nothing is printed where nothing is missing.
@@ -191,16 +188,9 @@ fn all(file: &Path, options: &SweepOptions) -> Result<(), Failure> {
 fn record(sweep: &file::Sweep, manifest: &Manifest, mut files: Vec<String>) -> Result<(), Failure> {
     files.extend([TABLE, RECORD].map(str::to_owned));
     files.sort();
-    let record = json!({
-        "schema_version": 1,
-        "command": "sweep",
-        "configuration": sweep,
-        "jobs": manifest.head.jobs,
-        "versions": versions(),
-        "files": files,
-    });
-    let text = serde_json::to_string_pretty(&record).map_err(Failure::internal)?;
-    folder::replace(&manifest.folder.join(RECORD), format!("{text}\n").as_bytes())
+    let mut record = Record::new("sweep", json!({ "configuration": sweep, "jobs": manifest.head.jobs }));
+    record.files = files;
+    folder::replace(&manifest.folder.join(RECORD), record.text()?.as_bytes())
 }
 
 fn counted(count: u64, what: &str) -> String {

@@ -1,13 +1,60 @@
-//! What the numbers of a run depend on besides its configuration.
+//! What a run was made from: `run.json`.
 
 use std::collections::BTreeMap;
+use std::io::Write as _;
+
+use serde::Serialize;
+
+use super::folder::{RECORD, Staging};
+use crate::failure::Failure;
+
+/// The form of every record.
+const SCHEMA_VERSION: u32 = 1;
+
+/// What a run was made from, and the versions that its numbers depend on. Nothing in it changes from one run to the next.
+#[derive(Debug, Serialize)]
+pub struct Record<P> {
+    schema_version: u32,
+    command: &'static str,
+    /// What this command records: its configuration at least.
+    #[serde(flatten)]
+    pub parts: P,
+    versions: BTreeMap<String, String>,
+    /// Every file of the run.
+    pub files: Vec<String>,
+}
+
+impl<P: Serialize> Record<P> {
+    /// The record of a run whose files are not known yet.
+    pub fn new(command: &'static str, parts: P) -> Self {
+        Self { schema_version: SCHEMA_VERSION, command, parts, versions: versions(), files: Vec::new() }
+    }
+
+    /// Leaves the record, with its keys sorted, beside the other files of a folder.
+    ///
+    /// # Errors
+    /// Whatever the system reports.
+    pub fn leave(mut self, staging: &mut Staging) -> Result<(), Failure> {
+        self.files = staging.files_and(&[RECORD]);
+        let text = self.text()?;
+        staging.write(RECORD, |out| out.write_all(text.as_bytes()))
+    }
+
+    /// The record as a file has it, with its keys sorted.
+    ///
+    /// # Errors
+    /// None but a defect.
+    pub fn text(&self) -> Result<String, Failure> {
+        Ok(format!("{:#}\n", serde_json::to_value(self).map_err(Failure::internal)?))
+    }
+}
 
 /// Packages whose version can move a number.
 const DECISIVE: [&str; 6] = ["libm", "parry2d-f64", "rand", "rand_chacha", "rand_distr", "rapier2d-f64"];
 
 /// The versions of this program and of the packages that decide its numbers, from the lock file it
 /// was built with.
-pub fn versions() -> BTreeMap<String, String> {
+fn versions() -> BTreeMap<String, String> {
     let mut versions = BTreeMap::from([("experiments".to_owned(), env!("CARGO_PKG_VERSION").to_owned())]);
     let lock: toml::Table = include_str!("../../../Cargo.lock").parse().unwrap_or_default();
     for package in lock.get("package").and_then(|p| p.as_array()).into_iter().flatten() {

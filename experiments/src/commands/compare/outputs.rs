@@ -1,7 +1,6 @@
 //! The files that `compare` leaves behind.
 
-use std::collections::BTreeMap;
-use std::io::{self, Write as _};
+use std::io::Write as _;
 
 use mapper::{Prior, Reconciliation};
 use serde::Serialize;
@@ -12,20 +11,16 @@ use super::rows::{self, Rows};
 use super::{document, figures, forest, tables};
 use crate::failure::Failure;
 use crate::output::folder::{RECORD, Staging};
-use crate::output::record::versions;
+use crate::output::record::Record;
 use crate::output::table::Table;
 use crate::page::{self, Viewer};
 use crate::worlds::claims::Claim;
 
-/// What a comparison was made from: `run.json`.
+/// What the record of a comparison holds.
 #[derive(Debug, Serialize)]
-pub struct Record {
-    schema_version: u32,
-    command: &'static str,
+pub struct Parts {
     configuration: Configuration,
     claims: Vec<Claim>,
-    versions: BTreeMap<String, String>,
-    files: Vec<String>,
 }
 
 #[derive(Debug, Serialize)]
@@ -44,27 +39,21 @@ struct Configuration {
 }
 
 /// The record of a plan, before anything is known of its outcome.
-pub fn record(plan: &Plan) -> Record {
-    Record {
-        schema_version: 1,
-        command: "compare",
-        configuration: Configuration {
-            set: plan.set.name(),
-            families: plan.paths.iter().map(|path| path.display().to_string()).collect(),
-            conditions: plan.conditions.clone(),
-            seeds: plan.seeds,
-            batch_seeds: plan.batch_seeds,
-            mappers: plan.names(),
-            reference: REFERENCE,
-            prior: plan.assumed.prior,
-            reconciliation: plan.assumed.reconciliation,
-            repeats: plan.repeats.clone(),
-            repeated_scans: plan.repeated_scans,
-        },
-        claims: Vec::new(),
-        versions: versions(),
-        files: Vec::new(),
-    }
+pub fn record(plan: &Plan) -> Record<Parts> {
+    let configuration = Configuration {
+        set: plan.set.name(),
+        families: plan.paths.iter().map(|path| path.display().to_string()).collect(),
+        conditions: plan.conditions.clone(),
+        seeds: plan.seeds,
+        batch_seeds: plan.batch_seeds,
+        mappers: plan.names(),
+        reference: REFERENCE,
+        prior: plan.assumed.prior,
+        reconciliation: plan.assumed.reconciliation,
+        repeats: plan.repeats.clone(),
+        repeated_scans: plan.repeated_scans,
+    };
+    Record::new("compare", Parts { configuration, claims: Vec::new() })
 }
 
 /// The tables as their files hold them.
@@ -88,12 +77,12 @@ pub fn write(
     plan: &Plan,
     findings: &Findings,
     rows: &Rows,
-    mut record: Record,
+    mut record: Record<Parts>,
     viewer: Viewer,
 ) -> Result<(), Failure> {
     let Findings { worlds, scopes, judgements, repeated, claims } = findings;
     let names = plan.names();
-    let mut csv = |name: &str, table: Table| staging.write(name, |out| table.write_csv(out).map_err(io::Error::other));
+    let mut csv = |name: &str, table: Table| table.save(staging, name);
     csv("scores.csv", tables::scores(worlds))?;
     csv("summary.csv", tables::summary(worlds, scopes, &names))?;
     csv("differences.csv", tables::differences(judgements, REFERENCE))?;
@@ -115,7 +104,7 @@ pub fn write(
     })?;
     let markdown = document::markdown(plan, claims, &document::sections(plan, rows, &pictures));
     staging.write("summary.md", |out| out.write_all(markdown.as_bytes()))?;
-    record.claims.clone_from(claims);
+    record.parts.claims.clone_from(claims);
     record.files = staging.files_and(&["report.html", RECORD]);
     let json = serde_json::to_value(&record).map_err(Failure::internal)?;
     let html = page::page(&document::page(plan, rows, &json, &pictures, viewer)?)?;

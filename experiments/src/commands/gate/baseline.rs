@@ -4,7 +4,7 @@ use std::fs;
 use std::io::{self, Write as _};
 use std::path::Path;
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::file::Gate;
 use super::measure::{Key, Values};
@@ -86,13 +86,19 @@ fn row(record: &csv::StringRecord) -> Option<(Key, Option<f64>)> {
 /// # Errors
 /// None but a defect.
 pub fn text(values: &Values) -> Result<Vec<u8>, Failure> {
-    let mut table = Table::new(&COLUMNS);
-    for (Key { mapper, metric, region, world }, value) in values {
-        let [mapper, metric, region] = [mapper, metric, region].map(|text| json!(text));
-        let (family, condition, grid) = (json!(world.family), json!(world.condition), optional(world.cell_m()));
-        table.push(vec![mapper, metric, region, family, condition, grid, json!(world.seed), optional(*value)]);
-    }
-    table.csv()
+    let rows: Vec<(&Key, &Option<f64>)> = values.iter().collect();
+    let columns: [&dyn Fn(&(&Key, &Option<f64>)) -> Value; 8] = [
+        &|(key, _)| json!(key.mapper),
+        &|(key, _)| json!(key.metric),
+        &|(key, _)| json!(key.region),
+        &|(key, _)| json!(key.world.family),
+        &|(key, _)| json!(key.world.condition),
+        &|(key, _)| optional(key.world.cell_m()),
+        &|(key, _)| json!(key.world.seed),
+        &|(_, value)| optional(**value),
+    ];
+    let columns: Vec<_> = COLUMNS.into_iter().zip(columns).collect();
+    Table::of(&rows, &columns).csv()
 }
 
 /// Writes the baselines whole or not at all.

@@ -50,6 +50,26 @@ pub enum Demand {
     },
 }
 
+impl Demand {
+    /// Its key in the file.
+    pub fn key(&self) -> &'static str {
+        match self {
+            Self::AtMost(_) => "at_most",
+            Self::AtLeast(_) => "at_least",
+            Self::NotWorseThanBaselineBy(_) => "not_worse_than_baseline_by",
+            Self::BetterThan { .. } => "better_than",
+        }
+    }
+
+    /// The number that it bounds by.
+    pub fn bound(&self) -> f64 {
+        match self {
+            Self::AtMost(bound) | Self::AtLeast(bound) => *bound,
+            Self::NotWorseThanBaselineBy(by) | Self::BetterThan { by, .. } => *by,
+        }
+    }
+}
+
 impl Gate {
     /// Whether it compares with values of former maps.
     pub fn needs_baseline(&self) -> bool {

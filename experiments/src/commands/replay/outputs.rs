@@ -1,7 +1,7 @@
 //! The files that `replay` leaves behind, and what it says in the terminal.
 
 use std::fmt::Write as _;
-use std::io::{self, Write as _};
+use std::io::Write as _;
 
 use grid::ros_map::{self, Coding, Shades};
 use grid::{Raster, npy};
@@ -14,10 +14,10 @@ use super::extent::Survey;
 use super::figure;
 use super::mapping::{Map, Maps};
 use super::options::{LaserOptions, ReplayOptions, StereoOptions};
-use super::predictions::{Predictions, Row};
+use super::predictions::{Prediction, Predictions};
 use crate::failure::Failure;
 use crate::output::folder::{RECORD, Staging};
-use crate::output::record::versions;
+use crate::output::record::Record;
 use crate::output::table::{self, Table};
 use crate::page::{self, Page, Part, Picture, Section, Sheet};
 
@@ -33,8 +33,8 @@ pub(super) struct Told<'a> {
 /// Writes everything.
 pub(super) fn write(staging: &mut Staging, told: &Told) -> Result<(), Failure> {
     let (scores, differences) = (told.predictions.table(), told.predictions.differences());
-    csv(staging, "predictions.csv", &scores)?;
-    csv(staging, "differences.csv", &differences)?;
+    scores.save(staging, "predictions.csv")?;
+    differences.save(staging, "differences.csv")?;
     for map in &told.maps.maps {
         save(staging, map, &told.maps.seen)?;
     }
@@ -68,15 +68,8 @@ pub(super) fn write(staging: &mut Staging, told: &Told) -> Result<(), Failure> {
     };
     let html = page::page(&page)?;
     staging.write("report.html", |out| out.write_all(html.as_bytes()))?;
-    let record = json!({
-        "schema_version": 1,
-        "command": "replay",
-        "configuration": configuration,
-        "grid": told.setup.grid,
-        "versions": versions(),
-        "files": files,
-    });
-    staging.record(&record)
+    let parts = json!({ "configuration": configuration, "grid": told.setup.grid });
+    Record::new("replay", parts).leave(staging)
 }
 
 /// The map as numpy reads it, and as a robot does; cells in which no beam was are unknown to the latter.
@@ -92,10 +85,6 @@ fn save(staging: &mut Staging, map: &Map, seen: &Raster<bool>) -> Result<(), Fai
     staging.write(&image, |out| shades.pgm(out))?;
     let yaml = ros_map::describe(&spec, 0.0, &coding, &image);
     staging.write(&format!("{mapper}.yaml"), |out| out.write_all(yaml.as_bytes()))
-}
-
-fn csv(staging: &mut Staging, name: &str, table: &Table) -> Result<(), Failure> {
-    staging.write(name, |out| table.write_csv(out).map_err(io::Error::other))
 }
 
 fn section(heading: &str, lead: &str, parts: Vec<Part>) -> Section {
@@ -132,29 +121,24 @@ fn facts(told: &Told) -> String {
 
 fn counts(told: &Told) -> Table {
     let report = &told.survey.report;
-    let mut table = Table::new(&["what", "number"]);
-    let mut row = |what: &str, number: u64| table.push(vec![json!(what), json!(number)]);
-    row("lines", report.lines);
-    row("scans", report.scans);
-    row("scans in use", told.survey.kept);
-    row("beams", report.beams);
-    row("beams without echo", report.no_returns);
-    row("beams that say nothing", report.unusable);
-    row("damaged lines", report.damaged);
-    for (name, number) in &report.skipped {
-        row(&format!("messages {name}, skipped"), *number);
-    }
-    for (what, number) in [
+    let mut rows = vec![
+        ("lines".to_owned(), report.lines),
+        ("scans".to_owned(), report.scans),
+        ("scans in use".to_owned(), told.survey.kept),
+        ("beams".to_owned(), report.beams),
+        ("beams without echo".to_owned(), report.no_returns),
+        ("beams that say nothing".to_owned(), report.unusable),
+        ("damaged lines".to_owned(), report.damaged),
+    ];
+    rows.extend(report.skipped.iter().map(|(name, number)| (format!("messages {name}, skipped"), *number)));
+    let others = [
         ("scans outside the time window", report.outside_window),
         ("scans outside the trajectory", report.outside_trajectory),
         ("scans left out by --every, --least-move, --least-turn", report.thinned),
         ("steps back in time", report.steps_back),
-    ] {
-        if number > 0 {
-            row(what, number);
-        }
-    }
-    table
+    ];
+    rows.extend(others.into_iter().filter(|(_, number)| *number > 0).map(|(what, number)| (what.to_owned(), number)));
+    Table::of(&rows, &[("what", &|row| json!(row.0)), ("number", &|row| json!(row.1))])
 }
 
 /// What the maps were made from.
@@ -212,8 +196,8 @@ pub(super) fn text(told: &Told) -> String {
     }
     let baseline = &predictions.rows[predictions.baseline].name;
     let ends = |interval: score::Interval| format!("{:.3} .. {:.3}", interval.low, interval.high);
-    let loss = |row: &Row| vec![row.name.clone(), format!("{:.3}", row.loss.mean), ends(row.loss.interval)];
-    let difference = |row: &Row| {
+    let loss = |row: &Prediction| vec![row.name.clone(), format!("{:.3}", row.loss.mean), ends(row.loss.interval)];
+    let difference = |row: &Prediction| {
         let SeriesMean { mean, interval } = row.difference;
         vec![row.name.clone(), format!("{mean:+.3}"), ends(interval), row.verdict().to_owned()]
     };

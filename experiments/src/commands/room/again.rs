@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use super::options::RoomOptions;
 use super::plan::Plan;
-use super::record::Record;
+use super::record::Parts;
 use super::{document, outputs};
 use crate::failure::Failure;
 use crate::output::args::{Format, PriorOptions, ThreadsOption};
@@ -65,7 +65,7 @@ pub fn page(folder: &Folder, record: &Value) -> Result<String, Failure> {
     let keep = Keep { timeline: false, frames: plan.frames.clone() };
     let trial = plan.ground.trial(options.seed, &plan.mappers, &plan.setup, &keep, &|_, _| ())?;
     let stages = plan.ground.stages(&trial);
-    folder.same_configuration(record, &Record::of(&options, &plan.ground, &plan.mappers, &stages, &[]))?;
+    folder.same_configuration(record, &Parts::of(&options, &plan.ground, &plan.mappers, &stages, &[]))?;
     let csv = folder.read("metrics.csv")?;
     folder.same_numbers(&csv, &outputs::metrics(&plan.ground, std::slice::from_ref(&trial), &stages))?;
     let rows = document::rows(&csv).map_err(|e| folder.refuse("metrics.csv", &e.to_string()))?;

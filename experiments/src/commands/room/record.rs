@@ -1,7 +1,5 @@
 //! What a run was made from: `run.json`.
 
-use std::collections::BTreeMap;
-
 use grid::GridSpec;
 use mapper::catalogue::Entry;
 use mapper::{Prior, Reconciliation};
@@ -10,32 +8,22 @@ use sensor::Matcher;
 use serde::Serialize;
 
 use super::options::RoomOptions;
-use crate::output::record::versions;
 use crate::worlds::claims::Claim;
 use crate::worlds::run::{Ground, Stage};
 
-/// The merged configuration of a run and the versions that its numbers depend on. Nothing in it
-/// changes from one run to the next.
+/// What the record of a room holds.
 #[derive(Debug, Serialize)]
-pub(super) struct Record {
-    /// Version of this form.
-    pub schema_version: u32,
-    /// Name of the command.
-    pub command: &'static str,
+pub(super) struct Parts {
     /// First seed.
-    pub seed: u64,
+    seed: u64,
     /// Everything that was set, by default, file or command line.
-    pub configuration: Configuration,
+    pub(super) configuration: Configuration,
     /// The cells of the maps.
-    pub grid: GridSpec,
+    grid: GridSpec,
     /// When the maps were looked at.
-    pub stages: Vec<Stage>,
+    stages: Vec<Stage>,
     /// What was claimed and found.
-    pub claims: Vec<Claim>,
-    /// This program and the packages that decide the numbers.
-    pub versions: BTreeMap<String, String>,
-    /// Every file of the run.
-    pub files: Vec<String>,
+    claims: Vec<Claim>,
 }
 
 /// The merged configuration.
@@ -73,8 +61,8 @@ pub(super) struct Robot {
     pub scan_interval_s: f64,
 }
 
-impl Record {
-    /// The record of a run of which the files are not known yet.
+impl Parts {
+    /// What a run was made from and what it found.
     pub(super) fn of(
         options: &RoomOptions,
         ground: &Ground,
@@ -83,8 +71,6 @@ impl Record {
         claims: &[Claim],
     ) -> Self {
         Self {
-            schema_version: 1,
-            command: "room",
             seed: options.seed,
             configuration: Configuration {
                 scene: options.scene.display().to_string(),
@@ -101,8 +87,6 @@ impl Record {
             grid: ground.scene.grid,
             stages: stages.to_vec(),
             claims: claims.to_vec(),
-            versions: versions(),
-            files: Vec::new(),
         }
     }
 }

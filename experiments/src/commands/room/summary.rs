@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use score::Summary;
 
 use crate::output::table::aligned;
-use crate::worlds::claims::Claim;
+use crate::worlds::claims::{self, Claim};
 use crate::worlds::run::{Ground, Stage, Trial};
 
 /// A column of a summary table: heading, metric, decimals.
@@ -70,11 +70,7 @@ pub(super) fn text(ground: &Ground, trials: &[Trial], stages: &[Stage], claims: 
     for region in &ground.scene.regions {
         section(&format!("free cells of region {}", region.name), &region.name, &REGION);
     }
-    for claim in claims {
-        let verdict = if claim.holds { "holds" } else { "FAILS" };
-        let _ = writeln!(text, "{verdict}  {}: {}", claim.claim, claim.measured);
-    }
-    text
+    text + &claims::lines(claims)
 }
 
 /// A metric over those seeds in which it has a value.

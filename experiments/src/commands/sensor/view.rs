@@ -4,7 +4,7 @@ use scene::Scene;
 use sensor::{SensorModel as _, Stereo};
 
 use crate::output::table::{Table, aligned, rounded};
-use crate::worlds::claims::Claim;
+use crate::worlds::claims::{self, Claim};
 
 /// At most so many columns of Figure 7.
 const MOST_COLUMNS: usize = 900;
@@ -105,20 +105,23 @@ impl View {
 
     /// Some cells, nearest first.
     pub(super) fn table(&self, columns: &[Column]) -> Table {
-        let heads = ["range_m", "disparity_px", "spans_px", "sigma_m", "lost_matches", "integral"];
-        let mut table = Table::new(&heads);
         let shown = 16.min(columns.len());
-        for column in (0..shown).map(|i| &columns[i * (columns.len() - 1) / (shown - 1).max(1)]) {
-            let middle = 0.5 * (column.enter_m + column.exit_m);
-            let disparity = self.stereo.disparity(middle, 0.0);
-            let spans = self.stereo.disparity(column.enter_m, 0.0) - self.stereo.disparity(column.exit_m, 0.0);
-            // One standard deviation of disparity as a length: it grows with the square of the range.
-            let sigma_m = self.stereo.disparity_sigma * middle * middle / self.stereo.focal_baseline;
-            table.push(
-                [middle, disparity, spans, sigma_m, 1.0 - column.expected, column.integral].map(rounded).to_vec(),
-            );
-        }
-        table
+        let some = (0..shown).map(|i| &columns[i * (columns.len() - 1) / (shown - 1).max(1)]);
+        let rows: Vec<(f64, &Column)> = some.map(|column| (0.5 * (column.enter_m + column.exit_m), column)).collect();
+        let disparity = |range_m| self.stereo.disparity(range_m, 0.0);
+        // One standard deviation of disparity as a length: it grows with the square of the range.
+        let sigma_m = |middle: f64| self.stereo.disparity_sigma * middle * middle / self.stereo.focal_baseline;
+        Table::of(
+            &rows,
+            &[
+                ("range_m", &|(middle, _)| rounded(*middle)),
+                ("disparity_px", &|(middle, _)| rounded(disparity(*middle))),
+                ("spans_px", &|(_, column)| rounded(disparity(column.enter_m) - disparity(column.exit_m))),
+                ("sigma_m", &|(middle, _)| rounded(sigma_m(*middle))),
+                ("lost_matches", &|(_, column)| rounded(1.0 - column.expected)),
+                ("integral", &|(_, column)| rounded(column.integral)),
+            ],
+        )
     }
 
     pub(super) fn text(&self, name: &str, table: &Table, claims: &[Claim]) -> String {
@@ -133,10 +136,7 @@ impl View {
         };
         let rows: Vec<Vec<String>> = table.rows().iter().map(|row| row.iter().map(shown).collect()).collect();
         text += &aligned(&["range, m", "disparity, px", "cell spans, px", "sigma, m", "lost", "integral"], &rows);
-        for claim in claims {
-            let verdict = if claim.holds { "holds" } else { "FAILS" };
-            text += &format!("\n{verdict}  {}:\n       {}", claim.claim, claim.measured);
-        }
+        text += &claims::below(claims);
         text + "\n"
     }
 }

@@ -1,17 +1,17 @@
 //! What `tune` leaves behind and prints.
 
 use std::fmt::Write as _;
-use std::io::{self, Write as _};
+use std::io::Write as _;
 
 use mapper::Prior;
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::candidates::Candidate;
-use super::fit::Fit;
+use super::fit::{Errors, Fit};
 use super::{BATCH_SEEDS, TuneOptions, figure};
 use crate::failure::Failure;
-use crate::output::folder::{RECORD, Staging};
-use crate::output::record::versions;
+use crate::output::folder::Staging;
+use crate::output::record::Record;
 use crate::output::table::{Table, aligned, rounded};
 
 /// So many candidates of each mapper are printed for reading.
@@ -19,19 +19,21 @@ const SHOWN: usize = 5;
 
 /// Every candidate in the order of the grids.
 pub fn table(fits: &[Fit]) -> Table {
-    let heads = ["mapper", "reconciliation"].into_iter().chain(Candidate::PARAMETERS);
-    let heads: Vec<&str> = heads.chain(["worlds", "log_loss", "brier", "best"]).collect();
-    let mut table = Table::new(&heads);
+    let mut rows: Vec<(&Fit, Candidate, Errors)> = Vec::new();
     for fit in fits {
-        let best = fit.best();
-        for (candidate, errors) in &fit.candidates {
-            let mut row = vec![json!(fit.tuned.name()), json!(candidate.reconciliation())];
-            row.extend(candidate.parameters().map(Value::from));
-            row.extend([json!(fit.worlds), rounded(errors.log_loss), rounded(errors.brier), json!(*candidate == best)]);
-            table.push(row);
-        }
+        rows.extend(fit.candidates.iter().map(|(candidate, errors)| (fit, *candidate, *errors)));
     }
-    table
+    Table::of(
+        &rows,
+        &[("mapper", &|row| json!(row.0.tuned.name())), ("reconciliation", &|row| json!(row.1.reconciliation()))],
+    )
+    .with(&rows, &Candidate::PARAMETERS, |row, number| json!(row.1.parameters()[number]))
+    .with(&rows, &["worlds", "log_loss", "brier", "best"], |(fit, candidate, errors), number| match number {
+        0 => json!(fit.worlds),
+        1 => rounded(errors.log_loss),
+        2 => rounded(errors.brier),
+        _ => json!(*candidate == fit.best()),
+    })
 }
 
 /// The best candidates of each mapper, and what is to be made of the first.
@@ -77,27 +79,20 @@ fn remark(fit: &Fit) -> String {
 /// # Errors
 /// A drawing that fails; a file that cannot be written.
 pub fn write(staging: &mut Staging, fits: &[Fit], options: &TuneOptions) -> Result<(), Failure> {
-    staging.write("tuning.csv", |out| table(fits).write_csv(out).map_err(io::Error::other))?;
+    table(fits).save(staging, "tuning.csv")?;
     if let Some(picture) = figure::draw(fits)? {
         staging.write("tuning.png", |out| out.write_all(&picture))?;
     }
-    let files = staging.files_and(&[RECORD]);
     let chosen = fits.iter().map(|fit| (fit.tuned.name().to_owned(), json!(fit.best().to_string())));
-    let record = json!({
-        "schema_version": 1,
-        "command": "tune",
-        "configuration": {
-            "set": "tuning",
-            "families": options.families.iter().map(|path| path.display().to_string()).collect::<Vec<_>>(),
-            "seeds": options.seeds,
-            "batch_seeds": options.seeds.min(BATCH_SEEDS),
-            "mappers": fits.iter().map(|fit| fit.tuned.name()).collect::<Vec<_>>(),
-            "prior": Prior::default(),
-            "criterion": "mean log loss over the observable region at the end of the drive",
-        },
-        "chosen": chosen.collect::<serde_json::Map<_, _>>(),
-        "versions": versions(),
-        "files": files,
+    let configuration = json!({
+        "set": "tuning",
+        "families": options.families.iter().map(|path| path.display().to_string()).collect::<Vec<_>>(),
+        "seeds": options.seeds,
+        "batch_seeds": options.seeds.min(BATCH_SEEDS),
+        "mappers": fits.iter().map(|fit| fit.tuned.name()).collect::<Vec<_>>(),
+        "prior": Prior::default(),
+        "criterion": "mean log loss over the observable region at the end of the drive",
     });
-    staging.record(&record)
+    let chosen = chosen.collect::<serde_json::Map<_, _>>();
+    Record::new("tune", json!({ "configuration": configuration, "chosen": chosen })).leave(staging)
 }
