@@ -15,7 +15,7 @@ use crate::jobs::threads;
 use crate::output::folder::Staging;
 use crate::output::note;
 
-/// Fits and tells.
+/// Fits the parameters and prints them.
 ///
 /// # Errors
 /// Bad input before any work, input that is refused, I/O.

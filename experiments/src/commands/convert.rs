@@ -15,7 +15,7 @@ use crate::failure::Failure;
 use crate::jobs::interruption;
 use crate::output::table;
 
-/// Reads, writes, and says on stdout what was written.
+/// Reads a map, writes it, and prints what was written.
 ///
 /// # Errors
 /// Bad input before anything is written; a file that cannot be written.

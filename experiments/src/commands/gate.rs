@@ -1,6 +1,6 @@
-//! `gate`: the build fails when maps get worse, with a message that says which metric, where and by how much.
+//! `gate`: the build fails when maps get worse, with a message that names the metric, the place and the difference.
 //!
-//! A file of gates ([`mod@file`]) says what must hold of which mapper; what it needs is mapped and scored anew from fixed
+//! A file of gates ([`mod@file`]) states what must hold of which mapper; what it needs is mapped and scored anew from fixed
 //! seeds ([`measure`]), and judged by bounds, by another mapper, or by values kept from a time when the maps were
 //! good ([`baseline`], [`verdict`]). [`program`] is the whole of it as a program of your own, with your own mappers.
 
@@ -83,12 +83,13 @@ pub fn run_with(options: &GateOptions, own: &[Entry]) -> Result<(), Failure> {
     let outcomes = asked.judge(options, &baseline)?;
     let heading = heading(&asked.gates, options.stream);
     if let Some(path) = &options.junit {
-        write(path, &views::junit(&outcomes, &asked.gates.file)?, false)?;
+        write(path, &views::junit(&outcomes, &asked.gates.file)?, Former::Replaced)?;
     }
     if let Some(path) = &options.summary {
         // What other commands of the same step have said there is kept.
         let shared = std::env::var_os("GITHUB_STEP_SUMMARY").is_some_and(|shared| Path::new(&shared) == path);
-        write(path, views::markdown(&outcomes, &heading).as_bytes(), shared)?;
+        let former = if shared { Former::Kept } else { Former::Replaced };
+        write(path, views::markdown(&outcomes, &heading).as_bytes(), former)?;
     }
     tables::table(&outcomes).print(options.print.format, || tables::text(&outcomes, &heading))?;
     note(format_args!("{} gates in {:.0} s", outcomes.len(), start.elapsed().as_secs_f64()));
@@ -206,7 +207,15 @@ fn writable(path: &Path) -> Result<(), Failure> {
     })
 }
 
-fn write(path: &Path, bytes: &[u8], append: bool) -> Result<(), Failure> {
+/// What becomes of the content that a file has.
+#[derive(Clone, Copy, PartialEq)]
+enum Former {
+    Kept,
+    Replaced,
+}
+
+fn write(path: &Path, bytes: &[u8], former: Former) -> Result<(), Failure> {
+    let append = former == Former::Kept;
     let opened = OpenOptions::new().create(true).write(true).append(append).truncate(!append).open(path);
     opened.and_then(|mut file| file.write_all(bytes)).map_err(|error| Failure::write(path, &error))
 }

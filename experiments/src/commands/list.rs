@@ -72,7 +72,7 @@ fn text(all: &[Listed]) -> String {
 }
 
 /// Files in `folder` with their kind and description: scenes first, then families, each sorted; a file that is
-/// neither says so.
+/// neither is listed with the reason.
 fn scenes(folder: &Path) -> Vec<Listed> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     let mut paths: Vec<_> = entries.filter(|path| path.extension().is_some_and(|e| e == "toml")).collect();

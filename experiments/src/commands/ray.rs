@@ -21,6 +21,7 @@ use std::path::Path;
 use scene::reader::nearest;
 use serde_json::json;
 
+use self::views::Digits;
 use crate::failure::Failure;
 use crate::jobs::interruption;
 use crate::output::args::Format;
@@ -58,13 +59,13 @@ pub fn run(options: &RayOptions) -> Result<(), Failure> {
     }
     match options.format {
         Format::Json => table::print(&views::json(&answers)?)?,
-        Format::Csv => table::print(&String::from_utf8_lossy(&views::csv(&ray, &answers, true)?))?,
+        Format::Csv => table::print(&String::from_utf8_lossy(&views::csv(&ray, &answers, Digits::All)?))?,
         Format::Text => table::print(&text(&name, case.as_ref(), &ray, &answers, &claims))?,
     }
     claims::all_hold(&claims)
 }
 
-/// Reads a ray file; a name that is neither a file nor a case says what there is.
+/// Reads a ray file; a name that is neither a file nor a case is refused with the cases that there are.
 fn load(path: &Path, name: &str) -> Result<ViewingRay, Failure> {
     if !path.exists() && path.extension().is_none() {
         return Err(Failure::BadInput(format!(
@@ -102,7 +103,7 @@ impl Outputs<'_> {
         let about = case.map_or_else(|| (*name).to_owned(), |case| format!("{}: {}", case.figure, case.about));
         let toml = file::text(ray, &about);
         staging.write("ray.toml", |out| out.write_all(toml.as_bytes()))?;
-        let csv = views::csv(ray, answers, false)?;
+        let csv = views::csv(ray, answers, Digits::Six)?;
         staging.write("ray.csv", |out| out.write_all(&csv))?;
         let picture = figures::answers(ray, answers, case.map_or(&[], Case::bands))?;
         staging.write("ray.png", |out| out.write_all(&picture))?;

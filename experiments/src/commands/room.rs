@@ -17,7 +17,7 @@ use std::time::Instant;
 use mapper::catalogue::{Entry, Setup};
 use rayon::prelude::*;
 
-use self::plan::Plan;
+use self::plan::RoomPlan;
 use self::record::Parts;
 use crate::failure::Failure;
 use crate::jobs::interruption;
@@ -38,7 +38,7 @@ pub fn run(options: &RoomOptions) -> Result<(), Failure> {
     let start = Instant::now();
     interruption::watch();
     let seeds = seeds(options)?;
-    let Plan { ground, mappers, setup, frames } = Plan::of(options)?;
+    let RoomPlan { ground, mappers, setup, frames } = RoomPlan::of(options)?;
     let out = options.out.clone().unwrap_or_else(|| Path::new("results").join(&ground.scene.name));
     plan::claimable(&ground, options)?;
     let mut staging = Staging::open(&out)?;

@@ -6,7 +6,7 @@ mod options;
 
 pub use options::SceneCommand;
 
-use self::from_map::Source;
+use self::from_map::Drawing;
 use crate::failure::Failure;
 
 /// Makes a scene file.
@@ -16,7 +16,7 @@ use crate::failure::Failure;
 pub fn run(command: &SceneCommand) -> Result<(), Failure> {
     match command {
         SceneCommand::Generate(options) => generate::run(options),
-        SceneCommand::FromMap(options) => from_map::run(options, Source::Map),
-        SceneCommand::FromPlan(options) => from_map::run(options, Source::Plan),
+        SceneCommand::FromMap(options) => from_map::run(options, Drawing::Map),
+        SceneCommand::FromPlan(options) => from_map::run(options, Drawing::Plan),
     }
 }

@@ -1,4 +1,4 @@
-//! What a reading of a scene's camera says of range: the paper's Section 3.1, Figures 6 and 7.
+//! What a reading of a scene's camera means for range: the paper's Section 3.1, Figures 6 and 7.
 
 mod disparity;
 mod kernel;

@@ -28,7 +28,7 @@ use crate::output::note;
 use crate::output::table;
 use crate::worlds::mappers::entries;
 
-/// Maps the same scans by every mapper with a clock, and says what each took.
+/// Maps the same scans by every mapper with a clock, and prints the time of each.
 ///
 /// # Errors
 /// Bad input before any measurement, I/O, and a mapper that did not do its work.

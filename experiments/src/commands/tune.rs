@@ -14,7 +14,7 @@ use std::time::Instant;
 use scene::Set;
 
 use self::candidates::{Candidate, Tuned};
-use self::fit::Fit;
+use self::fit::TunedFit;
 use crate::failure::Failure;
 use crate::jobs::engine;
 use crate::jobs::interruption;
@@ -29,7 +29,7 @@ use crate::worlds::site::WorldId;
 /// Mappers that take all scans at once are fitted on so many worlds of each family: they cost ten times as much.
 pub const BATCH_SEEDS: u32 = 3;
 
-/// Scores every candidate on the tuning set and says which are the best.
+/// Scores every candidate on the tuning set and prints the best.
 ///
 /// # Errors
 /// Bad input before any work, and I/O.
@@ -56,9 +56,9 @@ pub fn run(options: &TuneOptions) -> Result<(), Failure> {
     let errors = errors?;
     let fit = |(number, &tuned): (usize, &Tuned)| {
         let worlds = tasks.iter().zip(&errors).filter(|(task, _)| task.mapper == number);
-        Fit::new(tuned, &grids[number], &worlds.map(|(_, errors)| errors.as_slice()).collect::<Vec<_>>())
+        TunedFit::new(tuned, &grids[number], &worlds.map(|(_, errors)| errors.as_slice()).collect::<Vec<_>>())
     };
-    let fits: Vec<Fit> = mappers.iter().enumerate().map(fit).collect();
+    let fits: Vec<TunedFit> = mappers.iter().enumerate().map(fit).collect();
     outputs::write(&mut staging, &fits, options)?;
     staging.publish()?;
 

@@ -19,7 +19,7 @@ pub const REGION: RGBColor = RGBColor(213, 94, 0);
 /// The robot and its route.
 pub const ROUTE: RGBColor = RGBColor(0, 114, 178);
 
-/// Cells that nobody knows the truth about.
+/// Cells whose truth is not known.
 pub const UNKNOWN: RGBColor = RGBColor(214, 222, 230);
 
 /// Line colours that colour-blind readers can tell apart (Okabe and Ito 2008).
@@ -69,7 +69,7 @@ pub fn occupancy(p: f64, prior: f64) -> RGBColor {
     RGBColor(level, level, level)
 }
 
-/// Colour of the truth: as a map that knows everything.
+/// Colour of the truth: as a map without doubt.
 pub fn truth(cell: Option<bool>) -> RGBColor {
     match cell {
         Some(true) => BLACK,

@@ -59,7 +59,7 @@ pub fn write(path: &Path, job: &impl Serialize, lines: &[u8]) -> Result<(), Fail
     written.map_err(|e| Failure::write(path, &e))
 }
 
-/// Copies the lines of a result to `out` and says what the file is. Where it is not whole, what was copied is worth nothing.
+/// Copies the lines of a result to `out` and gives the state of the file. What was copied of a file that is not whole is worth nothing.
 ///
 /// # Errors
 /// An `out` that cannot be written.

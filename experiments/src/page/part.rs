@@ -60,7 +60,7 @@ pub struct Sheet {
 /// A cell of a [`Sheet`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Cell {
-    /// What it says.
+    /// Its text.
     pub text: String,
     /// How it is coloured.
     pub tone: Tone,

@@ -170,7 +170,7 @@ impl Ground {
         Ok(Trial { seed, simulation, seen, runs: walks.into_iter().map(|walk| walk.run).collect() })
     }
 
-    /// The camera that gives noise-free readings, as nearly as a mapper can believe in it: not so sharp that a
+    /// The camera that gives noise-free readings, as nearly as a mapper can assume it: not so sharp that a
     /// wall on a grid line falls between two cells.
     fn sharp(&self) -> Stereo {
         Stereo { disparity_sigma: 0.05, correct_match: 0.99, ..self.scene.matcher.stereo }

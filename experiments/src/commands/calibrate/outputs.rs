@@ -1,4 +1,4 @@
-//! What `calibrate` writes and says.
+//! What `calibrate` writes and prints.
 
 use std::fmt::Write as _;
 use std::io::Write as _;

@@ -7,7 +7,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use super::file::Gate;
-use super::measure::{Key, Values};
+use super::measure::{ValueKey, Values};
 use crate::failure::Failure;
 use crate::output::folder;
 use crate::output::table::{Table, optional};
@@ -61,7 +61,7 @@ pub fn read(path: &Path) -> Result<Option<Values>, Failure> {
     Ok(Some(values))
 }
 
-fn row(record: &csv::StringRecord) -> Option<(Key, Option<f64>)> {
+fn row(record: &csv::StringRecord) -> Option<(ValueKey, Option<f64>)> {
     let fields: [&str; 8] = record.iter().collect::<Vec<_>>().try_into().ok()?;
     let [mapper, metric, region, family, named, grid, seed, value] = fields;
     let condition = condition(named)?.name.to_owned();
@@ -78,7 +78,7 @@ fn row(record: &csv::StringRecord) -> Option<(Key, Option<f64>)> {
     };
     let world = WorldId { family: family.to_owned(), condition, cell_um, seed: seed.parse().ok()? };
     let [mapper, metric, region] = [mapper, metric, region].map(str::to_owned);
-    Some((Key { mapper, metric, region, world }, value))
+    Some((ValueKey { mapper, metric, region, world }, value))
 }
 
 /// The file's text: sorted, a row per value.
@@ -86,8 +86,8 @@ fn row(record: &csv::StringRecord) -> Option<(Key, Option<f64>)> {
 /// # Errors
 /// None but a defect.
 pub fn text(values: &Values) -> Result<Vec<u8>, Failure> {
-    let rows: Vec<(&Key, &Option<f64>)> = values.iter().collect();
-    let columns: [&dyn Fn(&(&Key, &Option<f64>)) -> Value; 8] = [
+    let rows: Vec<(&ValueKey, &Option<f64>)> = values.iter().collect();
+    let columns: [&dyn Fn(&(&ValueKey, &Option<f64>)) -> Value; 8] = [
         &|(key, _)| json!(key.mapper),
         &|(key, _)| json!(key.metric),
         &|(key, _)| json!(key.region),
@@ -123,7 +123,7 @@ pub fn complete(gates: &[Gate], baseline: Option<&Values>, path: &Path) -> Resul
                 format!("{place}: is not there, and gate {name} needs it; make it with `gate --update`, and commit it");
             return Err(Failure::BadInput(message));
         };
-        let missing: Vec<Key> = gate.keys(&gate.mapper).filter(|key| !baseline.contains_key(key)).collect();
+        let missing: Vec<ValueKey> = gate.keys(&gate.mapper).filter(|key| !baseline.contains_key(key)).collect();
         if let Some(first) = missing.first() {
             return Err(Failure::BadInput(format!(
                 "{place}: gate {name}: no row of {} {} {} on {}, {} of {} are missing; add them with `gate --update --only {name}`, \

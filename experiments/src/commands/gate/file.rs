@@ -8,7 +8,7 @@ use scene::reader::{Limit, Table, Value, open, read};
 use scene::{SceneError, Set};
 use score::{FEWEST_PAIRS, Region};
 
-use super::source::Source;
+use super::source::GateSource;
 use crate::worlds::condition::{AS_BELIEVED, Condition, DEPARTURES};
 use crate::worlds::criteria::{CRITERIA, Criterion, criterion};
 use crate::worlds::scenes::FAMILIES;
@@ -85,7 +85,7 @@ pub struct Gates {
     /// The gates in their order.
     pub gates: Vec<Gate>,
     /// The families and scenes by name.
-    pub sites: BTreeMap<String, Source>,
+    pub sites: BTreeMap<String, GateSource>,
 }
 
 const KEYS: [&str; 14] = [
@@ -165,7 +165,7 @@ pub fn parse(text: &str, file: &str, known: &[Entry]) -> Result<Gates, SceneErro
     Ok(gates)
 }
 
-fn gate(table: &Table, known: &[Entry], sites: &mut BTreeMap<String, Source>) -> Result<Gate, SceneError> {
+fn gate(table: &Table, known: &[Entry], sites: &mut BTreeMap<String, GateSource>) -> Result<Gate, SceneError> {
     table.only(&KEYS)?;
     let name = table.name("name")?;
     let mappers: Vec<&str> = known.iter().map(|entry| entry.name).collect();
@@ -186,7 +186,7 @@ fn gate(table: &Table, known: &[Entry], sites: &mut BTreeMap<String, Source>) ->
 }
 
 /// The worlds of a gate, and the regions that all of them have.
-fn worlds(table: &Table, sites: &mut BTreeMap<String, Source>) -> Result<(Vec<WorldId>, Vec<String>), SceneError> {
+fn worlds(table: &Table, sites: &mut BTreeMap<String, GateSource>) -> Result<(Vec<WorldId>, Vec<String>), SceneError> {
     let count = table.optional_whole("seeds", &MOST_SEEDS)?.unwrap_or(SEEDS);
     let cell_um = table.optional_number("grid", &GRID)?.map(|cell_m| (cell_m * MICROMETRES).round() as u32);
     let sets = ["test", "robustness", "tuning"];
@@ -202,10 +202,10 @@ fn worlds(table: &Table, sites: &mut BTreeMap<String, Source>) -> Result<(Vec<Wo
             return Err(refuse(table, key, "left out beside `scene`", "a scene has neither layouts nor sets"));
         }
         let (text, value) = one_text(table, "scene")?;
-        names.push(site(table, "scene", (text, Some(value)), sites, Source::scene)?);
+        names.push(site(table, "scene", (text, Some(value)), sites, GateSource::scene)?);
     } else {
         for (family, value) in families(table)? {
-            let name = site(table, "families", (&family, value), sites, Source::family)?;
+            let name = site(table, "families", (&family, value), sites, GateSource::family)?;
             if names.contains(&name) {
                 return Err(refuse(table, "families", "different families", "name each once"));
             }
@@ -250,8 +250,8 @@ fn site(
     table: &Table,
     key: &str,
     (text, value): Text,
-    sites: &mut BTreeMap<String, Source>,
-    load: fn(std::path::PathBuf) -> Result<Source, SceneError>,
+    sites: &mut BTreeMap<String, GateSource>,
+    load: fn(std::path::PathBuf) -> Result<GateSource, SceneError>,
 ) -> Result<String, SceneError> {
     let path = path_of(text);
     if let Some(site) = sites.values().find(|site| site.path == path) {

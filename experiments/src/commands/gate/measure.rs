@@ -15,7 +15,7 @@ use crate::worlds::site::{Site, WorldId};
 
 /// What a value is of. Its order is that of the baselines.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Key {
+pub struct ValueKey {
     /// Name of the mapper.
     pub mapper: String,
     /// Name of the metric.
@@ -27,7 +27,7 @@ pub struct Key {
 }
 
 /// Values of metrics, rounded as in every file; none where a metric is not defined.
-pub type Values = BTreeMap<Key, Option<f64>>;
+pub type Values = BTreeMap<ValueKey, Option<f64>>;
 
 /// What was measured.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -43,8 +43,8 @@ type Wanted = BTreeSet<(String, String)>;
 
 impl Gate {
     /// The values of a mapper that the gate looks at, world by world.
-    pub fn keys<'a>(&'a self, mapper: &'a str) -> impl Iterator<Item = Key> + 'a {
-        self.worlds.iter().map(move |world| Key {
+    pub fn keys<'a>(&'a self, mapper: &'a str) -> impl Iterator<Item = ValueKey> + 'a {
+        self.worlds.iter().map(move |world| ValueKey {
             mapper: mapper.to_owned(),
             metric: self.criterion.metric.to_owned(),
             region: self.region.clone(),
@@ -66,7 +66,7 @@ pub fn plan(gates: &[Gate]) -> BTreeMap<WorldId, BTreeMap<String, Wanted>> {
     let mut plan: BTreeMap<WorldId, BTreeMap<String, Wanted>> = BTreeMap::new();
     for gate in gates {
         for mapper in gate.mappers() {
-            for Key { mapper, metric, region, world } in gate.keys(mapper) {
+            for ValueKey { mapper, metric, region, world } in gate.keys(mapper) {
                 plan.entry(world).or_default().entry(mapper).or_default().insert((metric, region));
             }
         }
@@ -130,8 +130,12 @@ fn values(
     let last = trial.runs.first().map_or(0, |run| run.stages.len().saturating_sub(1));
     let value = |(metric, region): &(String, String)| {
         let value = trial.metric(entry.name, last, region, metric).and_then(|metric| metric.value);
-        let key =
-            Key { mapper: entry.name.to_owned(), metric: metric.clone(), region: region.clone(), world: world.clone() };
+        let key = ValueKey {
+            mapper: entry.name.to_owned(),
+            metric: metric.clone(),
+            region: region.clone(),
+            world: world.clone(),
+        };
         (key, value.and_then(|value| rounded(value).as_f64()))
     };
     Ok(wanted.iter().map(value).collect())

@@ -10,7 +10,7 @@ use crate::worlds::site::{Assumptions, Site, WorldId};
 
 /// A scene file, or a file of a family of scenes.
 #[derive(Debug, Clone)]
-pub struct Source {
+pub struct GateSource {
     /// Its name.
     pub name: String,
     /// Its file.
@@ -24,7 +24,7 @@ enum Content {
     Scene { regions: Vec<String> },
 }
 
-impl Source {
+impl GateSource {
     /// Reads the file of a family.
     ///
     /// # Errors

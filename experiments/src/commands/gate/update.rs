@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::file::{Demand, Gate};
-use super::measure::{Key, Values};
+use super::measure::{ValueKey, Values};
 use crate::output::table::{Table, aligned, optional};
 
 /// How the baseline of a gate changes.
@@ -49,13 +49,14 @@ pub fn merged(all: &[Gate], old: &Values, new: Values) -> Values {
 fn changes<'a>(gates: &'a [Gate], old: &Values, new: &Values) -> Vec<Change<'a>> {
     let gates = gates.iter().filter(|gate| matches!(gate.demand, Demand::NotWorseThanBaselineBy(_)));
     let change = |gate: &'a Gate| {
-        let keys: Vec<Key> = gate.keys(&gate.mapper).collect();
+        let keys: Vec<ValueKey> = gate.keys(&gate.mapper).collect();
         let mean = |values: &Values| {
             let values: Vec<f64> = keys.iter().filter_map(|key| values.get(key).copied().flatten()).collect();
             (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
         };
         let bits = |value: Option<f64>| value.map(f64::to_bits);
-        let another = |key: &&Key| old.get(key).zip(new.get(key)).is_some_and(|(old, new)| bits(*old) != bits(*new));
+        let another =
+            |key: &&ValueKey| old.get(key).zip(new.get(key)).is_some_and(|(old, new)| bits(*old) != bits(*new));
         Change {
             gate,
             means: [mean(old), mean(new)],

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use score::{Better, Comparison, Interval};
 
 use super::file::{Demand, Gate};
-use super::measure::{Key, Measured, Values};
+use super::measure::{Measured, ValueKey, Values};
 use crate::failure::Failure;
 use crate::worlds::site::WorldId;
 
@@ -200,7 +200,7 @@ pub fn baselines(gates: &[Gate], measured: &Measured) -> Result<Values, Failure>
         if let Some(cause) = failure(gate, measured) {
             return Err(Failure::Claim(format!("gate {}: {cause}; the baselines stay as they were", gate.name)));
         }
-        let keys: Vec<Key> = gate.keys(&gate.mapper).collect();
+        let keys: Vec<ValueKey> = gate.keys(&gate.mapper).collect();
         values.extend(keys.into_iter().map(|key| {
             let value = measured.values.get(&key).copied().flatten();
             (key, value)

@@ -1,4 +1,4 @@
-//! The files that `replay` leaves behind, and what it says in the terminal.
+//! The files that `replay` leaves behind, and what it prints.
 
 use std::fmt::Write as _;
 use std::io::Write as _;

@@ -7,12 +7,12 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use super::options::RoomOptions;
-use super::plan::Plan;
+use super::plan::RoomPlan;
 use super::record::Parts;
 use super::{document, outputs};
 use crate::failure::Failure;
 use crate::output::args::{Format, PriorOptions, ThreadsOption};
-use crate::page::{self, Folder, Viewer, World};
+use crate::page::{self, Folder, ViewedWorld, Viewer};
 use crate::worlds::run::Keep;
 
 /// What the page of a room needs of its record.
@@ -61,7 +61,7 @@ pub fn page(folder: &Folder, record: &Value) -> Result<String, Failure> {
     let made: Made = folder.understand(record)?;
     let prior = folder.prior(&made.configuration.prior, &made.configuration.reconciliation)?;
     let options = made.options(prior);
-    let plan = Plan::of(&options)?;
+    let plan = RoomPlan::of(&options)?;
     let keep = Keep { timeline: false, frames: plan.frames.clone() };
     let trial = plan.ground.trial(options.seed, &plan.mappers, &plan.setup, &keep, &|_, _| ())?;
     let stages = plan.ground.stages(&trial);
@@ -69,7 +69,7 @@ pub fn page(folder: &Folder, record: &Value) -> Result<String, Failure> {
     let csv = folder.read("metrics.csv")?;
     folder.same_numbers(&csv, &outputs::metrics(&plan.ground, std::slice::from_ref(&trial), &stages))?;
     let rows = document::rows(&csv).map_err(|e| folder.refuse("metrics.csv", &e.to_string()))?;
-    let viewer = Viewer { worlds: vec![World::new(&plan.ground, &trial, &stages, &plan.frames)] };
+    let viewer = Viewer { worlds: vec![ViewedWorld::new(&plan.ground, &trial, &stages, &plan.frames)] };
     let pictures = folder.pictures(record, &document::PICTURES)?;
     page::page(&document::page(&plan.ground, &stages, record, &rows, pictures, viewer)?)
 }

@@ -13,7 +13,7 @@ use crate::figures;
 use crate::output::folder::{RECORD, Staging};
 use crate::output::record::Record;
 use crate::output::table::{Table, optional, rounded};
-use crate::page::{self, Picture, Viewer, World};
+use crate::page::{self, Picture, ViewedWorld, Viewer};
 use crate::worlds::run::{Ground, RegionScore, Stage, Trial};
 
 /// A row of `metrics.csv`.
@@ -80,7 +80,7 @@ pub(super) fn write(
     record.files = staging.files_and(&["report.html", RECORD]);
     let rows = document::rows(&metrics.csv()?).map_err(Failure::internal)?;
     let json = serde_json::to_value(&*record).map_err(Failure::internal)?;
-    let viewer = Viewer { worlds: vec![World::new(ground, first, stages, frames)] };
+    let viewer = Viewer { worlds: vec![ViewedWorld::new(ground, first, stages, frames)] };
     let html = page::page(&document::page(ground, stages, &json, &rows, pictures, viewer)?)?;
     staging.write("report.html", |out| out.write_all(html.as_bytes()))?;
     staging.record(record)

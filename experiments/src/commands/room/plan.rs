@@ -11,7 +11,7 @@ use crate::worlds::run::Ground;
 use crate::worlds::site::{Assumptions, Site};
 
 /// Everything that a trial needs, from the options.
-pub(super) struct Plan {
+pub(super) struct RoomPlan {
     pub(super) ground: Ground,
     pub(super) mappers: Vec<&'static Entry>,
     pub(super) setup: Setup,
@@ -19,7 +19,7 @@ pub(super) struct Plan {
     pub(super) frames: Vec<usize>,
 }
 
-impl Plan {
+impl RoomPlan {
     pub(super) fn of(options: &RoomOptions) -> Result<Self, Failure> {
         let mappers = entries(&options.mappers)?;
         let scene = scene::load(&options.scene, options.grid, options.layout)?;

@@ -38,7 +38,7 @@ pub(super) struct Configuration {
     pub seeds: u32,
     /// Mappers in order.
     pub mappers: Vec<&'static str>,
-    /// What the mappers believe before the first reading.
+    /// What the mappers assume before the first reading.
     pub prior: Prior,
     /// What becomes of edges on no ray.
     pub reconciliation: Reconciliation,

@@ -11,7 +11,7 @@ use crate::output::table;
 
 /// Which of the two is read.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Source {
+pub(super) enum Drawing {
     /// A ROS map.
     Map,
     /// A floor plan in JSON.
@@ -22,7 +22,7 @@ pub(super) enum Source {
 ///
 /// # Errors
 /// The first problem with the map or plan; no room to drive; a file that cannot be written, or that is the map itself.
-pub(super) fn run(options: &FromMapOptions, source: Source) -> Result<(), Failure> {
+pub(super) fn run(options: &FromMapOptions, source: Drawing) -> Result<(), Failure> {
     let defaults = SurveyOptions::default();
     let mut survey = SurveyOptions {
         clearance_m: options.clearance,
@@ -40,8 +40,8 @@ pub(super) fn run(options: &FromMapOptions, source: Source) -> Result<(), Failur
     // Printed scenes are for the folder one is in.
     let out = options.out.clone().unwrap_or_else(|| PathBuf::from("scene.toml"));
     let make = match source {
-        Source::Map => scene::from_map,
-        Source::Plan => scene::from_plan,
+        Drawing::Map => scene::from_map,
+        Drawing::Plan => scene::from_plan,
     };
     let made = make(&options.file, &out, &survey)?;
     match &options.out {

@@ -13,7 +13,7 @@ use std::time::Instant;
 
 use mapper::catalogue::{Entry, Kind};
 
-use self::cases::Case;
+use self::cases::GrowthCase;
 use super::hall::Hall;
 use super::measure::rotated;
 use crate::failure::Failure;
@@ -56,7 +56,7 @@ pub fn measure(
         let first = curves.len();
         let new = |entry: &&'static Entry| Curve { mapper: entry.name, against, points: Vec::new() };
         curves.extend(entries.iter().map(new));
-        for case in Case::all(against, sizes, &hall)? {
+        for case in GrowthCase::all(against, sizes, &hall)? {
             let mut best = vec![vec![f64::INFINITY; case.sizes.len()]; entries.len()];
             for repeat in 0..repeats {
                 for (number, entry) in rotated(entries, repeat) {
@@ -75,7 +75,7 @@ pub fn measure(
 }
 
 /// Time of one scan that is mapped again and again, s. The first time, which meets fresh memory, is not counted.
-fn repeated(entry: &Entry, case: &Case) -> f64 {
+fn repeated(entry: &Entry, case: &GrowthCase) -> f64 {
     let mut mapper = (entry.build)(&case.setup);
     let mut integrate = || case.scans.iter().for_each(|scan| mapper.integrate(scan));
     integrate();
@@ -91,7 +91,7 @@ fn repeated(entry: &Entry, case: &Case) -> f64 {
 }
 
 /// Times after each of the case's numbers of scans, s.
-fn drive(entry: &Entry, case: &Case) -> Vec<f64> {
+fn drive(entry: &Entry, case: &GrowthCase) -> Vec<f64> {
     let mut mapper = (entry.build)(&case.setup);
     let start = Instant::now();
     let mut times = Vec::new();

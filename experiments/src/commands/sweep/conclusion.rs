@@ -8,7 +8,7 @@ use super::{merge as shards, plots};
 use crate::failure::Failure;
 use crate::output::note;
 
-/// Merges the shards into a table, and says so.
+/// Merges the shards into a table, and reports the number of its rows.
 pub(super) fn merge(manifest: &Manifest, out: &Path) -> Result<(), Failure> {
     let rows = shards::merge(manifest, out)?;
     note(format_args!("{}: {rows} rows", out.display()));

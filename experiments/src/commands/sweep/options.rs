@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-use super::parameters::{Kind, Of, PARAMETERS, Parameter};
+use super::parameters::{Of, PARAMETERS, Parameter, ParameterKind};
 use crate::output::args::{FormatOption, MOST_THREADS, ThreadsOption, count};
 
 /// More shards than this are a mistake.
@@ -28,8 +28,8 @@ range-by-looks is one per bin of range and number of looks.\n\n";
 
 /// The form of a file, and all parameters.
 fn form() -> String {
-    let word = |kind: &Kind| match kind {
-        Kind::Word(words) => {
+    let word = |kind: &ParameterKind| match kind {
+        ParameterKind::Word(words) => {
             format!(": {}", words.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(", "))
         }
         _ => String::new(),

@@ -40,7 +40,7 @@ pub fn write(manifest: &Manifest, shard: u32, rows: &[u8]) -> Result<(), Failure
     seal::write(&path(&manifest.folder, shard), &Shard::of(manifest, shard), rows)
 }
 
-/// Copies the rows of a shard to `out` and says what the file is. Where it is not whole, what was copied is worth nothing.
+/// Copies the rows of a shard to `out` and gives the state of the file. What was copied of a file that is not whole is worth nothing.
 ///
 /// # Errors
 /// An `out` that cannot be written.

@@ -22,7 +22,7 @@ pub struct Errors {
 
 /// How the candidates of a mapper did.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Fit {
+pub struct TunedFit {
     /// The mapper.
     pub tuned: Tuned,
     /// Number of worlds.
@@ -68,7 +68,7 @@ pub fn errors(world: &WorldId, family: &Family, candidates: &[Candidate]) -> Res
     Ok(errors)
 }
 
-impl Fit {
+impl TunedFit {
     /// The means over worlds, each of which has the errors of every candidate in order.
     pub fn new(tuned: Tuned, candidates: &[Candidate], worlds: &[&[Errors]]) -> Self {
         let mean = |number: usize| {
@@ -106,7 +106,7 @@ mod tests {
         let candidates = &Tuned::Mrf.candidates()[..4];
         let errors = |losses: [f64; 4]| losses.map(|log_loss| Errors { log_loss, brier: 2.0 * log_loss });
         let [first, second] = [errors([0.5, 0.125, 0.25, 0.875]), errors([0.125, 0.5, 0.25, 0.125])];
-        let fit = Fit::new(Tuned::Mrf, candidates, &[&first, &second]);
+        let fit = TunedFit::new(Tuned::Mrf, candidates, &[&first, &second]);
         assert_eq!(fit.worlds, 2);
         let expected = [0.3125, 0.3125, 0.25, 0.5];
         for ((_, errors), expected) in fit.candidates.iter().zip(expected) {

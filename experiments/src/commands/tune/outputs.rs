@@ -7,7 +7,7 @@ use mapper::Prior;
 use serde_json::json;
 
 use super::candidates::Candidate;
-use super::fit::{Errors, Fit};
+use super::fit::{Errors, TunedFit};
 use super::{BATCH_SEEDS, TuneOptions, figure};
 use crate::failure::Failure;
 use crate::output::folder::Staging;
@@ -18,8 +18,8 @@ use crate::output::table::{Table, aligned, rounded};
 const SHOWN: usize = 5;
 
 /// Every candidate in the order of the grids.
-pub fn table(fits: &[Fit]) -> Table {
-    let mut rows: Vec<(&Fit, Candidate, Errors)> = Vec::new();
+pub fn table(fits: &[TunedFit]) -> Table {
+    let mut rows: Vec<(&TunedFit, Candidate, Errors)> = Vec::new();
     for fit in fits {
         rows.extend(fit.candidates.iter().map(|(candidate, errors)| (fit, *candidate, *errors)));
     }
@@ -37,7 +37,7 @@ pub fn table(fits: &[Fit]) -> Table {
 }
 
 /// The best candidates of each mapper, and what is to be made of the first.
-pub fn text(fits: &[Fit], options: &TuneOptions) -> String {
+pub fn text(fits: &[TunedFit], options: &TuneOptions) -> String {
     let mut rows = Vec::new();
     for fit in fits {
         for (place, (candidate, errors)) in fit.ranking().iter().take(SHOWN).enumerate() {
@@ -63,7 +63,7 @@ pub fn text(fits: &[Fit], options: &TuneOptions) -> String {
 }
 
 /// Whether the best candidate is what the catalogue has, and whether the grid holds it.
-fn remark(fit: &Fit) -> String {
+fn remark(fit: &TunedFit) -> String {
     let (best, built_in) = (fit.best(), fit.tuned.built_in());
     let mut remark = if best == built_in { ", as built in".to_owned() } else { format!("\n  built in is {built_in}") };
     let candidates: Vec<Candidate> = fit.candidates.iter().map(|(candidate, _)| *candidate).collect();
@@ -78,7 +78,7 @@ fn remark(fit: &Fit) -> String {
 ///
 /// # Errors
 /// A drawing that fails; a file that cannot be written.
-pub fn write(staging: &mut Staging, fits: &[Fit], options: &TuneOptions) -> Result<(), Failure> {
+pub fn write(staging: &mut Staging, fits: &[TunedFit], options: &TuneOptions) -> Result<(), Failure> {
     table(fits).save(staging, "tuning.csv")?;
     if let Some(picture) = figure::draw(fits)? {
         staging.write("tuning.png", |out| out.write_all(&picture))?;
