@@ -1,25 +1,21 @@
-//! Why a command did not succeed, and its exit code.
+//! Why a command did not succeed.
 
 use std::any::Any;
-use std::io::Write as _;
 use std::path::Path;
-use std::process::ExitCode;
 use std::{fmt, io};
 
 use thiserror::Error;
 
-use crate::jobs::interruption;
-
 /// Why a command did not succeed.
 #[derive(Debug, Error)]
 pub enum Failure {
-    /// Exit code 1: the system, or a defect of ours.
+    /// The system, or a defect of ours.
     #[error("{0}")]
     Internal(String),
-    /// Exit code 2: something the user can correct.
+    /// Something the user can correct.
     #[error("{0}")]
     BadInput(String),
-    /// Exit code 3: everything ran, and a claim does not hold.
+    /// Everything ran, and a claim does not hold.
     #[error("{0}")]
     Claim(String),
 }
@@ -33,20 +29,6 @@ impl Failure {
     /// Anything that has gone wrong inside.
     pub fn internal(source: impl fmt::Display) -> Self {
         Self::Internal(source.to_string())
-    }
-
-    /// Prints the message to stderr and gives the exit code.
-    pub fn report(&self) -> ExitCode {
-        if let Some(code) = interruption::exit_code() {
-            return ExitCode::from(code);
-        }
-        // Nobody may be listening any more.
-        let _ = writeln!(io::stderr(), "error: {self}");
-        ExitCode::from(match self {
-            Self::Internal(_) => 1,
-            Self::BadInput(_) => 2,
-            Self::Claim(_) => 3,
-        })
     }
 }
 

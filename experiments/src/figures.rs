@@ -4,32 +4,27 @@
 //! bundled font, so that a picture is the same on every machine.
 
 pub mod calibration;
-pub mod certainty;
 pub mod chart;
-pub mod comparison;
-pub mod disparity;
-pub mod forest;
 pub mod ink;
-pub mod kernel;
 pub mod maps;
 mod mark;
-mod panel;
-pub mod ray;
+pub mod panel;
 pub mod regions;
-pub mod replay;
 pub mod scene;
 pub mod timeline;
-pub mod tuning;
 
 use plotters::prelude::*;
 
 use crate::failure::Failure;
 
 /// An area of a picture to draw on.
-type Area<'a> = DrawingArea<BitMapBackend<'a>, plotters::coord::Shift>;
+pub type Area<'a> = DrawingArea<BitMapBackend<'a>, plotters::coord::Shift>;
 
 /// Draws a picture of the given size and gives it as PNG.
-fn png(size: (u32, u32), draw: impl FnOnce(&Area) -> Result<(), Failure>) -> Result<Vec<u8>, Failure> {
+///
+/// # Errors
+/// A drawing that fails.
+pub fn png(size: (u32, u32), draw: impl FnOnce(&Area) -> Result<(), Failure>) -> Result<Vec<u8>, Failure> {
     ink::register_font()?;
     let mut pixels = vec![255; size.0 as usize * size.1 as usize * 3];
     {

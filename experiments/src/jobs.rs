@@ -3,4 +3,5 @@
 pub mod engine;
 pub mod interruption;
 pub mod progress;
+pub mod seal;
 pub mod threads;

@@ -1,14 +1,25 @@
-//! Simulate, map, score and show.
+//! Simulate, map, score and show: the library behind the command line.
 //!
-//! The command line is a thin layer over this library: an experiment turns a merged configuration
-//! into values ([`worlds::run::Trial`], [`worlds::claims::Claim`]), and tables, pictures and the report are views
-//! of them. Results go to stdout, progress and warnings to stderr.
+//! Programs of your own may rely on [`gate`], which runs gates on mappers of yours, and on [`main`], which is the whole
+//! command line. All else serves the tests and benches of this package and may change at any time.
 
+#[doc(hidden)]
 pub mod cli;
+#[doc(hidden)]
 pub mod commands;
+mod exit;
+#[doc(hidden)]
 pub mod failure;
+#[doc(hidden)]
 pub mod figures;
+#[doc(hidden)]
 pub mod jobs;
+#[doc(hidden)]
 pub mod output;
+#[doc(hidden)]
 pub mod page;
+#[doc(hidden)]
 pub mod worlds;
+
+pub use cli::main;
+pub use commands::gate::door as gate;

@@ -1,5 +1,6 @@
-//! What a command leaves behind: folders, tables, records.
+//! What a command takes and leaves behind: options, folders, tables, records.
 
+pub mod args;
 pub mod digest;
 pub mod folder;
 pub mod ledger;
@@ -7,5 +8,12 @@ pub mod map;
 pub mod publication;
 pub mod record;
 pub mod single;
-pub mod summary;
 pub mod table;
+
+use std::fmt::Display;
+use std::io::Write as _;
+
+/// Prints a line to stderr: nobody may be listening.
+pub fn note(line: impl Display) {
+    let _ = writeln!(std::io::stderr(), "{line}");
+}

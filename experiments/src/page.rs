@@ -4,6 +4,7 @@
 //! Every command that leaves a report fills one in and hands it to [`page`].
 
 mod encoding;
+mod folder;
 mod part;
 mod viewer;
 
@@ -11,14 +12,15 @@ use askama::Template;
 use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
 
+pub use folder::Folder;
 pub use part::{Cell, Part, Picture, Section, Sheet, Tone};
-pub use viewer::{FRAMES, Mapped, Moment, Viewer, World, moments};
+pub use viewer::{FRAMES, Mapped, Moment, ViewedWorld, Viewer, moments};
 
 use crate::failure::Failure;
 use crate::worlds::claims::Claim;
 
 /// Most that the maps of a [`Viewer`] may add to a page, bytes: a page is to stay below 10 MB, and
-/// pictures and tables need room too. What would be larger shows fewer moments, and says so.
+/// pictures and tables need room too. What would be larger shows fewer moments, with a note.
 pub const VIEWER_BYTES: usize = 7_000_000;
 
 /// Everything a page shows.

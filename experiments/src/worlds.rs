@@ -1,6 +1,9 @@
 //! What is mapped, and how the maps are judged.
 
 pub mod claims;
+pub mod condition;
+pub mod criteria;
 pub mod mappers;
 pub mod run;
 pub mod scenes;
+pub mod site;

@@ -9,7 +9,7 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::Command;
 
-use experiments::commands::gate::{self, GateOptions};
+use experiments::gate::{self, Format, FormatOption, GateOptions, ThreadsOption};
 use mapper::catalogue::{Entry, Kind};
 use quick_xml::Reader;
 use quick_xml::events::Event;
@@ -440,7 +440,7 @@ fn options(place: &Place) -> GateOptions {
         stream: 0,
         junit: None,
         summary: None,
-        format: experiments::cli::Format::Csv,
-        threads: None,
+        print: FormatOption { format: Format::Csv },
+        threads: ThreadsOption::default(),
     }
 }

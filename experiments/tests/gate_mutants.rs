@@ -4,8 +4,7 @@ mod mutants;
 
 use std::path::Path;
 
-use experiments::commands::gate::verdict::{Outcome, Verdict};
-use experiments::commands::gate::{self, GateOptions};
+use experiments::gate::{self, Format, FormatOption, GateOptions, Outcome, ThreadsOption, Verdict};
 use mapper::catalogue::Entry;
 
 use mutants::MUTANTS;
@@ -22,8 +21,8 @@ fn outcomes(only: &[&str], stream: u32, own: &[Entry]) -> Vec<Outcome> {
         stream,
         junit: None,
         summary: None,
-        format: experiments::cli::Format::Csv,
-        threads: None,
+        print: FormatOption { format: Format::Csv },
+        threads: ThreadsOption::default(),
     };
     gate::judge(&options, own).expect("judged")
 }

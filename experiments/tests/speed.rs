@@ -12,6 +12,7 @@ use std::process::Output;
 use assert_cmd::Command;
 use experiments::commands::speed::file;
 use experiments::commands::speed::growth::{self, Against, Sizes};
+use experiments::commands::speed::scans::{Kernel, ScanSet};
 use mapper::catalogue::find;
 use serde_json::{Value, json};
 use tempfile::TempDir;
@@ -134,36 +135,27 @@ fn a_folder_has_table_and_record() {
 fn files_with_a_mistake_are_refused_where_it_is() {
     let row = "0,1,2,0,0,3\n";
     let cases = [
-        ("", "scans.csv:1: is empty; the first line must be scan,x_m,"),
-        (HEAD, "scans.csv:1: no rows; "),
+        (
+            "",
+            "scans.csv: no scan in 0 lines: it is empty; give a CARMEN log with FLASER or ROBOTLASER1, or a table of scans",
+        ),
+        (HEAD, "scans.csv: no scan in 1 lines"),
         (
             "scan,x_m,y_m,theta_rad,bearing,range_m\n",
-            "scans.csv:1: column bearing_rad: is missing, the nearest is \"bearing\"",
+            "scans.csv:1: column bearing_rad: is missing; the first line must have",
         ),
         ("scan,x_m,x_m,y_m,theta_rad,bearing_rad,range_m\n", "scans.csv:1: column x_m: is there twice"),
-        ("H0,1,2,0,0\n", "scans.csv:2: 5 fields; must be 6"),
-        ("H0,1,2,0,0,3,4\n", "scans.csv:2: 7 fields; must be 6"),
-        ("HR0.5,1,2,0,0,3\n", "scans.csv:3: column scan: \"0.5\": must be a whole number, 0 or more; "),
-        ("HR-1,1,2,0,0,3\n", "scans.csv:3: column scan: \"-1\": must be a whole number"),
-        ("H5,1,2,0,0,3\n4,1,2,0,0,3\n", "scans.csv:3: column scan: \"4\": must be 5 or more, as in the row before; "),
-        ("HR0,1,2.5,0,0,3\n", "scans.csv:3: column y_m: \"2.5\": must be 2, the pose of scan 0 in its first row; "),
-        ("HR0,1,2,0.1,0,3\n", "scans.csv:3: column theta_rad: \"0.1\": must be 0, the pose"),
-        ("HRR1,nan,2,0,0,3\n", "scans.csv:4: column x_m: \"nan\": must be a finite number of metres, "),
-        ("H0,inf,2,0,0,3\n", "scans.csv:2: column x_m: \"inf\": must be a finite number"),
-        (
-            "H0,1e7,2,0,0,3\n",
-            "scans.csv:2: column x_m: \"1e7\": must be a finite number of metres, -1000000 to 1000000",
-        ),
-        ("H0,,2,0,0,3\n", "scans.csv:2: column x_m: \"\": must be a finite number"),
-        (
-            "H0,1,2,0,45,3\n",
-            "scans.csv:2: column bearing_rad: \"45\": must be a finite number of radians, -6.2832 to 6.2832",
-        ),
-        ("H0,1,2,0,0,inf\n", "scans.csv:2: column range_m: \"inf\": must be empty, or a finite number of metres"),
-        ("H0,1,2,0,0,-3\n", "scans.csv:2: column range_m: \"-3\": must be empty, or a finite number of metres, 0 to"),
-        ("H0,1,2,0,0,far\n", "scans.csv:2: column range_m: \"far\": must be empty, or"),
-        ("H0,1,2,0,0,\n", "scans.csv: column range_m: none of 1 rays has a range that the camera can see"),
+        ("HR0,1,2,0,0\n", "scans.csv:3: 5 fields; must be 6"),
+        ("HR0,1,2,0,0,3,4\n", "scans.csv:3: 7 fields; must be 6"),
+        ("HR0.5,1,2,0,0,3\n", "scans.csv:3: column scan: \"0.5\" must be a whole number, 0 or more"),
+        ("HRR1,nan,2,0,0,3\n", "scans.csv:4: column x_m: \"nan\" must be a number from -1e6 to 1e6"),
+        ("HR0,,2,0,0,3\n", "scans.csv:3: column x_m: \"\" must be a number"),
+        ("HR0,1,2,0,45,3\n", "scans.csv:3: column bearing_rad: \"45\" must be a number from -6."),
+        ("HR0,1,2,0,0,far\nR", "scans.csv:3: column range_m: \"far\" must be a number or empty"),
+        ("HR\n0,1,2,0,x,3\r\n", "scans.csv:4: column bearing_rad: \"x\" must be a number"),
+        ("H0,1,2,0,0,\n", "scans.csv: column range_m: none of 1 rays has a range that the sensor can see"),
         ("H0,1,2,0,0,0.2\n", "scans.csv: column range_m: none of 1 rays"),
+        ("H0,1,2,0,0,inf\n", "scans.csv: column range_m: none of 1 rays"),
         ("HR1,9e5,9e5,0,0,3\n", "scans.csv: poses and ranges with 1 m around them are 18000"),
     ];
     for (text, expected) in cases {
@@ -172,47 +164,50 @@ fn files_with_a_mistake_are_refused_where_it_is() {
         assert!(out.is_empty() && err.starts_with("error: ") && err.contains(expected), "{text:?}: {err}");
         assert_eq!(err.lines().count(), 1, "{text:?}: {err}");
     }
-}
-
-#[test]
-fn what_is_no_text_is_refused() {
-    let folder = with("");
-    for (bytes, expected) in [
-        ([HEAD.as_bytes(), b"0,1,2,0,0,3\n0,\xff,2,0,0,3\n"].concat(), "scans.csv:3: is no UTF-8 text"),
-        (vec![0; 10_000], "scans.csv:1: no table: the first line must be scan,"),
-    ] {
-        fs::write(folder.path().join("scans.csv"), bytes).expect("writable");
-        let (_, err) = checked(2, &expected, &speed(folder.path(), &["--scans", "scans.csv"]));
-        assert!(err.contains(expected), "{err}");
-    }
-    for (path, expected) in [("none.csv", "none.csv: cannot be read: "), (".", ".: cannot be read: is no file")] {
+    let folder = TempDir::new().expect("temporary folder");
+    for (path, expected) in [("none.csv", "none.csv: cannot be opened: "), (".", ".: is a folder; give one log")] {
         let (_, err) = checked(2, &path, &speed(folder.path(), &["--scans", path]));
         assert!(err.contains(expected), "{err}");
     }
 }
 
-#[test]
-fn lines_are_counted_as_an_editor_counts_them() {
-    for (text, line) in [
-        ("H0,1,2,0,0,3\r\n0,1,2,0,x,3\r\n", 3),
-        ("H\n\n0,1,2,0,0,3\n\n0,1,2,0,x,3\n", 6),
-        ("\u{feff}H0,1,2,0,x,3\n", 2),
-        ("H0,1,2,0,0,3\n0,1,2,0,x,3", 3),
-    ] {
-        let head = if text.contains('\r') { HEAD.replace('\n', "\r\n") } else { HEAD.to_owned() };
-        let error = file::read(text.replace('H', &head).as_bytes(), "f").expect_err(text).to_string();
-        assert!(error.starts_with(&format!("f:{line}: column bearing_rad: \"x\"")), "{text:?}: {error}");
-    }
+fn load(text: &str, kernel: Kernel) -> Result<ScanSet, String> {
+    file::load(&with(text).path().join("scans.csv"), kernel).map_err(|failure| failure.to_string())
 }
 
 #[test]
 fn columns_stand_in_any_order_among_others() {
     let text = "range_m,time_s,scan, bearing_rad,y_m,x_m,theta_rad\n1.5,99,7,0.0,2,1,0\n,99,7,0.1,2,1,-0\n";
-    let set = file::read(text.as_bytes(), "f").expect("valid");
+    let set = load(text, Kernel::Stereo).expect("valid");
     assert_eq!((set.scans.len(), set.rays()), (1, 2));
     assert_eq!((set.scans[0].pose.x_m, set.scans[0].pose.y_m, set.scans[0].bearings_rad[1]), (1.0, 2.0, 0.1));
     let readings = &set.scans[0].readings;
     assert!((readings[0].expect("seen") - 10.0).abs() < 1e-12 && readings[1].is_none());
+}
+
+#[test]
+fn a_kernel_takes_readings_for_what_it_reads() {
+    let ranges = HEAD.to_owned() + "0,1,2,0,0,3\n0,1,2,0,0.1,100\n0,1,2,0,0.2,inf\n";
+    let laser = load(&ranges, Kernel::Laser).expect("valid");
+    assert_eq!(laser.scans[0].readings, [Some(3.0), Some(f64::INFINITY), Some(f64::INFINITY)]);
+    let stereo = load(&ranges, Kernel::Stereo).expect("valid");
+    let seen: Vec<bool> = stereo.scans[0].readings.iter().map(Option::is_some).collect();
+    assert_eq!(seen, [true, true, false], "a camera has no maximum range");
+    let disparities = ranges.replace("range_m", "disparity_px").replace("inf", "");
+    let stereo = load(&disparities, Kernel::Stereo).expect("valid");
+    assert_eq!(stereo.scans[0].readings, [Some(3.0), None, None], "60 px are searched");
+    let refused = load(&disparities, Kernel::Laser).expect_err("no ranges");
+    assert!(refused.ends_with("holds disparities, which no laser reads; leave out --sensor laser"), "{refused}");
+}
+
+#[test]
+fn a_carmen_log_is_mapped_too() {
+    let line = "FLASER 3 2.0 81.91 1.5  1.0 2.0 0.5  1.0 2.0 0.5  10.25 robot 0.25\n";
+    let folder = with(line);
+    let arguments =
+        ["--scans", "scans.csv", "--sensor", "laser", "--repeats", "1", "--grid", "0.1", "--format", "json"];
+    let found = json(folder.path(), &arguments);
+    assert_eq!((&found["rows"][0]["scans"], &found["rows"][0]["rays"]), (&json!(1), &json!(2)));
 }
 
 #[test]
@@ -221,7 +216,7 @@ fn a_long_file_is_read_row_by_row() {
     for row in 0..200_000 {
         let _ = writeln!(text, "{},{},2,0,{},3", row / 100, row / 100 % 7, f64::from(row % 100) * 0.01 - 0.5);
     }
-    let set = file::read(text.as_bytes(), "f").expect("valid");
+    let set = load(&text, Kernel::Stereo).expect("valid");
     assert_eq!((set.scans.len(), set.rays()), (2000, 200_000));
 }
 

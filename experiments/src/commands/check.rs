@@ -4,39 +4,30 @@ use mapper::Prior;
 use score::{Sight, Sightings};
 use serde_json::{Value, json};
 
-use crate::cli::{CheckOptions, Format};
 use crate::failure::Failure;
-use crate::output::table::{self, Table, aligned, rounded};
+use crate::output::args::SceneOptions;
+use crate::output::table::{Table, aligned, rounded};
 use crate::worlds::run::Ground;
 
 /// Loads the scene, drives its route, and prints what there is.
 ///
 /// # Errors
 /// The first problem with the scene or its route.
-pub fn run(options: &CheckOptions) -> Result<(), Failure> {
+pub fn run(options: &SceneOptions) -> Result<(), Failure> {
     let ground = Ground::new(scene::load(&options.scene, options.grid, options.layout)?, Prior::default().occupancy)?;
-    let mut table = Table::new(&["item", "value", "unit"]);
-    for (item, value, unit) in facts(&ground) {
-        table.push(vec![json!(item), value, json!(unit)]);
-    }
-    match options.format {
-        Format::Csv => table.print(false),
-        Format::Json => table.print(true),
-        Format::Text => {
-            let text = |value: &Value| match value.as_str() {
-                Some("1") => String::new(), // a number of things has no unit to show
-                Some(text) => text.to_owned(),
-                None => value.to_string(),
-            };
-            let rows: Vec<Vec<String>> = table.rows().iter().map(|row| row.iter().map(text).collect()).collect();
-            table::print(&format!(
-                "{}{}: valid\n\n{}",
-                options.scene.display(),
-                ground.scene.layout.map(|layout| format!(", layout {layout}")).unwrap_or_default(),
-                aligned(&["item", "value", "unit"], &rows)
-            ))
-        }
-    }
+    let facts = facts(&ground);
+    let table = Table::of(
+        &facts,
+        &[("item", &|row| json!(row.0)), ("value", &|row| row.1.clone()), ("unit", &|row| json!(row.2))],
+    );
+    table.print(options.print.format, || {
+        // A number of things has no unit to show.
+        let unit = |unit: &str| if unit == "1" { String::new() } else { unit.to_owned() };
+        let rows: Vec<_> = facts.iter().map(|row| vec![row.0.clone(), row.1.to_string(), unit(row.2)]).collect();
+        let layout = ground.scene.layout.map(|layout| format!(", layout {layout}")).unwrap_or_default();
+        let table = aligned(&["item", "value", "unit"], &rows);
+        format!("{}{layout}: valid\n\n{table}", options.scene.display())
+    })
 }
 
 fn facts(ground: &Ground) -> Vec<(String, Value, &'static str)> {

@@ -3,10 +3,12 @@
 //! Every mapper maps the same readings of the same generated worlds ([`world`]); finished worlds are kept
 //! until all are done ([`journal`]); then the scores are paired and judged ([`judgement`]).
 
+mod again;
 pub mod claims;
-pub mod conditions;
-pub mod criteria;
 pub mod document;
+pub mod figures;
+pub mod findings;
+pub mod forest;
 pub mod journal;
 pub mod judgement;
 pub mod options;
@@ -20,41 +22,30 @@ pub mod tables;
 pub mod text;
 pub mod world;
 
-use std::io::Write as _;
+pub use again::page as renewed_page;
+pub use options::CompareOptions;
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
+use self::findings::Findings;
 use self::journal::Journal;
-use self::judgement::{Judgement, Scope};
-use self::options::{CompareOptions, Worlds};
+use self::options::Worlds;
+use self::outputs::Parts;
 use self::plan::{Plan, REFERENCE};
-use self::repeats::Repeated;
-use self::world::{Job, World};
-use crate::cli::Format;
+use self::world::{WorldJob, WorldScores};
 use crate::failure::Failure;
 use crate::jobs::engine;
 use crate::jobs::interruption;
 use crate::jobs::progress::Count;
 use crate::jobs::threads;
+use crate::output::args::Format;
 use crate::output::folder::{Purpose, Staging};
-use crate::output::table;
-use crate::worlds::claims::{self as claim, Claim};
-
-/// What a comparison has found.
-pub struct Findings {
-    /// The scores of every world, in the order of the jobs.
-    pub worlds: Vec<World>,
-    /// What is judged together.
-    pub scopes: Vec<Scope>,
-    /// Every mapper against the reference.
-    pub judgements: Vec<Judgement>,
-    /// The same scan, again and again.
-    pub repeated: Vec<Repeated>,
-    /// What was promised of the reference.
-    pub claims: Vec<Claim>,
-}
+use crate::output::note;
+use crate::output::record::Record;
+use crate::worlds::claims as claim;
 
 /// Runs the comparison, or the rest of one that was interrupted.
 ///
@@ -67,7 +58,7 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     let out = options.out.clone().unwrap_or_else(|| default_folder(&plan, options.quick));
     let reads: Vec<&Path> = options.families.iter().map(PathBuf::as_path).collect();
     let mut staging = Staging::open(&out, &Purpose::new("compare", &reads, outputs::FILES))?;
-    threads::limit(options.threads)?;
+    threads::limit(options.threads.count)?;
     let record = outputs::record(&plan);
     let worlds = map_worlds(&plan, &out, &configuration(&plan, &record)?)?;
     let findings = judge(&plan, worlds)?;
@@ -77,14 +68,11 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     staging.publish()?;
     Journal::clear(&out);
 
-    match options.format {
-        Format::Text => {
-            table::print(&text::summary(&plan, &rows, &findings.claims))?;
-            let place = out.join("report.html");
-            let _ = writeln!(std::io::stderr(), "{} in {:.0} s", place.display(), start.elapsed().as_secs_f64());
-        }
-        Format::Csv => tables::differences(&findings.judgements, REFERENCE).print(false)?,
-        Format::Json => tables::differences(&findings.judgements, REFERENCE).print(true)?,
+    let differences = tables::differences(&findings.judgements, REFERENCE);
+    differences.print(options.format, || text::summary(&plan, &rows, &findings.claims))?;
+    if options.format == Format::Text {
+        let place = out.join("report.html");
+        note(format_args!("{} in {:.0} s", place.display(), start.elapsed().as_secs_f64()));
     }
     claim::all_hold(&findings.claims)
 }
@@ -96,13 +84,13 @@ fn default_folder(plan: &Plan, quick: bool) -> PathBuf {
 
 /// All that decides the scores of a world. The record names the families' files; what they say may change
 /// between an interruption and its continuation.
-fn configuration(plan: &Plan, record: &outputs::Record) -> Result<String, Failure> {
+fn configuration(plan: &Plan, record: &Record<Parts>) -> Result<String, Failure> {
     let record = serde_json::to_string(record).map_err(Failure::internal)?;
     Ok(format!("{record}\n{:?}", plan.families))
 }
 
 /// Maps and scores every world that is not yet finished.
-fn map_worlds(plan: &Plan, out: &Path, configuration: &str) -> Result<Vec<World>, Failure> {
+fn map_worlds(plan: &Plan, out: &Path, configuration: &str) -> Result<Vec<WorldScores>, Failure> {
     let jobs = plan.jobs();
     let journal = Journal::open(out, configuration)?;
     let finished = Arc::new(AtomicUsize::new(0));
@@ -118,7 +106,7 @@ fn map_worlds(plan: &Plan, out: &Path, configuration: &str) -> Result<Vec<World>
         let world = match journal.read(job) {
             Some(world) => world,
             None => {
-                let world = job.run(plan.family(job), &plan.belief, &plan.mappers)?;
+                let world = job.run(plan.family(job), &plan.assumed, &plan.mappers)?;
                 journal.keep(&world)?;
                 world
             }
@@ -132,13 +120,13 @@ fn map_worlds(plan: &Plan, out: &Path, configuration: &str) -> Result<Vec<World>
 }
 
 /// Repeats scans, and judges everything.
-fn judge(plan: &Plan, worlds: Vec<World>) -> Result<Findings, Failure> {
-    let firsts: Vec<Job> = plan.jobs().into_iter().take(plan.families.len()).collect();
+fn judge(plan: &Plan, worlds: Vec<WorldScores>) -> Result<Findings, Failure> {
+    let firsts: Vec<WorldJob> = plan.jobs().into_iter().take(plan.families.len()).collect();
     let repeated = match plan.repeats.is_empty() {
         true => Vec::new(),
         false => engine::each(&firsts, rayon::current_num_threads(), |job| {
             let family = plan.family(job);
-            repeats::repeat(job, family, &plan.belief, &plan.mappers, plan.repeated_scans, &plan.repeats)
+            repeats::repeat(job, family, &plan.assumed, &plan.mappers, plan.repeated_scans, &plan.repeats)
         })?,
     };
     let scopes = judgement::scopes(&worlds);

@@ -1,116 +1,25 @@
 //! `convert IN OUT`: maps from one form into another.
 
 mod input;
+mod map;
+mod options;
 mod output;
 
-use std::io::{self, Write as _};
+pub use options::ConvertOptions;
+
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
 use grid::ros_map::{Coding, Mode, Thresholds};
-use grid::{GridSpec, Raster};
 
-use crate::cli::{positive, probability};
+use self::map::{Map, extension, graded};
+use self::options::{Origin, Shading};
 use crate::failure::Failure;
 use crate::jobs::interruption;
+use crate::output::note;
 use crate::output::single::{self, Existing, Whole};
 use crate::output::table;
 
-/// Options of `convert`.
-#[derive(Debug, Args)]
-pub struct ConvertOptions {
-    /// Map to read: .yaml with its image, .npy, or .pgm and .png without YAML
-    #[arg(value_name = "IN")]
-    pub input: PathBuf,
-    /// Map to write: .yaml (image beside it), .pgm (YAML beside it), .npy or .png
-    #[arg(value_name = "OUT")]
-    pub output: PathBuf,
-    /// What the shades of a written image mean [default: trinary, with a second file in raw for a .yaml where that says more]
-    #[arg(long, value_enum)]
-    pub mode: Option<Shading>,
-    /// What the shades of an image read without YAML mean
-    #[arg(long, value_enum, default_value_t, value_name = "MODE")]
-    pub read_as: Shading,
-    /// A cell is occupied above this share [default: that of IN, or 0.65]
-    #[arg(long, value_name = "P", allow_negative_numbers = true, value_parser = probability)]
-    pub occupied_thresh: Option<f64>,
-    /// A cell is free below this share [default: that of IN, or 0.196]
-    #[arg(long, value_name = "P", allow_negative_numbers = true, value_parser = probability)]
-    pub free_thresh: Option<f64>,
-    /// Write occupied cells bright
-    #[arg(long)]
-    pub negate: bool,
-    /// Side of a cell in metres, instead of IN's; the cells stay
-    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = side)]
-    pub resolution: Option<f64>,
-    /// Lower-left corner in metres and angle in radians, instead of IN's; the cells stay
-    #[arg(long, value_name = "X,Y,YAW", allow_hyphen_values = true, value_parser = origin)]
-    pub origin: Option<Origin>,
-    /// Replace files that have the names already; those that are read never
-    #[arg(long)]
-    pub force: bool,
-}
-
-/// Names of [`Mode`] on the command line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
-pub enum Shading {
-    /// black, white and grey for occupied, free and unknown
-    #[default]
-    Trinary,
-    /// percent as shades between the thresholds, transparent for unknown
-    Scale,
-    /// percent as brightness of 255
-    Raw,
-}
-
-impl From<Shading> for Mode {
-    fn from(shading: Shading) -> Self {
-        match shading {
-            Shading::Trinary => Self::Trinary,
-            Shading::Scale => Self::Scale,
-            Shading::Raw => Self::Raw,
-        }
-    }
-}
-
-/// Where a map lies.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Origin {
-    /// Lower-left corner, m.
-    pub corner_m: [f64; 2],
-    /// Angle about it, rad.
-    pub yaw_rad: f64,
-}
-
-/// The bounds of map files, so that what is written can be read.
-fn side(text: &str) -> Result<f64, String> {
-    positive(text)
-        .ok()
-        .filter(|m| (1e-4..=100.0).contains(m))
-        .ok_or_else(|| "must be a number from 0.0001 to 100".into())
-}
-
-fn origin(text: &str) -> Result<Origin, String> {
-    let numbers: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
-    match numbers.as_deref() {
-        Some(&[x, y, yaw_rad]) if x.abs() <= 1e8 && y.abs() <= 1e8 && yaw_rad.abs() <= 6.3 => {
-            Ok(Origin { corner_m: [x, y], yaw_rad })
-        }
-        _ => Err("must be three numbers X,Y,YAW: metres up to 1e8 either way and radians up to 6.3".into()),
-    }
-}
-
-/// A map on its way.
-struct Map {
-    occupancy: Raster<Option<f32>>,
-    /// None for a map that has no place.
-    place: Option<(GridSpec, f64)>,
-    thresholds: Thresholds,
-    /// The files that it was read from.
-    sources: Vec<PathBuf>,
-}
-
-/// Reads, writes, and says on stdout what was written.
+/// Reads a map, writes it, and prints what was written.
 ///
 /// # Errors
 /// Bad input before anything is written; a file that cannot be written.
@@ -134,7 +43,7 @@ pub fn run(options: &ConvertOptions) -> Result<(), Failure> {
         )));
     }
     if let Some(warning) = unseen_as_free(&map, &thresholds) {
-        let _ = writeln!(io::stderr(), "warning: {}: {warning}", options.input.display());
+        note(format_args!("warning: {}: {warning}", options.input.display()));
     }
     let coding = Coding { mode: options.mode.unwrap_or_default().into(), negate: options.negate, thresholds };
     let files = output::files(&map, kind, options, &coding)?;
@@ -196,14 +105,4 @@ fn summary(map: &Map, kind: output::Kind, options: &ConvertOptions, coding: &Cod
         text += &format!("it says no place; to read it, --resolution {} --origin {x},{y},{yaw_rad}\n", spec.cell_m);
     }
     text
-}
-
-/// Cells of which a state does not say all.
-fn graded(map: &Map) -> usize {
-    map.occupancy.values().iter().flatten().filter(|share| **share > 0.0 && **share < 1.0).count()
-}
-
-/// The extension of a file's name, in small letters.
-fn extension(path: &Path) -> String {
-    path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
 }

@@ -3,18 +3,17 @@
 use grid::Raster;
 use mapper::estimate::{Lag, correlation, law, length_m};
 use mapper::{Estimate, Prior};
-use serde_json::{Value, json};
+use serde_json::json;
 
-use crate::cli::{CheckOptions, Format};
 use crate::failure::Failure;
-use crate::output::table::{self, Table, aligned, optional};
+use crate::output::args::SceneOptions;
+use crate::output::table::{Table, aligned, optional, rounded};
 
 /// Distances at which correlations are printed, as factors on the cell size asked for.
 const FACTORS: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
 
-const COLUMNS: [&str; 10] = [
-    "cell_m",
-    "truth",
+/// The columns after cell size and what is looked at.
+const FOUND: [&str; 8] = [
     "occupancy",
     "correlation",
     "predicted",
@@ -24,6 +23,9 @@ const COLUMNS: [&str; 10] = [
     "mean_run_m",
     "complete_run_m",
 ];
+
+/// What is found at a cell size: its side in m, what is looked at, and the values of [`FOUND`].
+type Found = (f64, &'static str, [Option<f64>; FOUND.len()]);
 
 /// The columns in a terminal of 80 columns.
 const HEADS: [&str; 10] = [
@@ -41,12 +43,12 @@ const HEADS: [&str; 10] = [
 
 /// The world, sampled at points on a grid of half the cell size: at distances of whole cells, points lie at two
 /// phases against the cells in every direction, and never on a wall that ends where cells do.
-struct World {
+struct Sampled {
     points: Raster<Option<bool>>,
     found: Estimate,
 }
 
-impl World {
+impl Sampled {
     /// Correlation of points `distance_m` (m) apart.
     fn lag(&self, distance_m: f64) -> Option<Lag> {
         let lag = (distance_m / self.found.cell_m).round() as usize;
@@ -71,74 +73,69 @@ impl World {
 ///
 /// # Errors
 /// The first problem with the scene.
-pub fn run(options: &CheckOptions) -> Result<(), Failure> {
+pub fn run(options: &SceneOptions) -> Result<(), Failure> {
     let load = |cell_m| scene::load(&options.scene, cell_m, options.layout);
     let scene = load(options.grid)?;
     let cell_m = scene.grid.cell_m;
     let points = scene::truth_at_centres(load(Some(0.5 * cell_m)).as_ref().unwrap_or(&scene));
-    let world = World { found: Estimate::of(&points), points };
-    let mut table = Table::new(&COLUMNS);
+    let world = Sampled { found: Estimate::of(&points), points };
+    let mut rows: Vec<Found> = Vec::new();
     let predicted = |distance_m| Some(law(world.found.occupancy?, world.length_m(cell_m)?, distance_m));
     for at_m in FACTORS.map(|factor| factor * cell_m) {
         if at_m > 0.9 * world.found.cell_m {
-            table.push(world_row(&world, at_m, predicted(at_m)));
+            rows.push(of_world(&world, at_m, predicted(at_m)));
         }
         if let Ok(scene) = load(Some(at_m)) {
-            table.push(covered_row(&Estimate::of(&scene::truth(&scene)), predicted(at_m)));
+            rows.push(of_cells(&Estimate::of(&scene::truth(&scene)), predicted(at_m)));
         }
     }
-    match options.format {
-        Format::Csv => table.print(false),
-        Format::Json => table.print(true),
-        Format::Text => {
-            let layout = scene.layout.map(|layout| format!(", layout {layout}")).unwrap_or_default();
-            let name = format!("{}{layout}", options.scene.display());
-            let cells = Estimate::of(&scene::truth(&scene));
-            table::print(&text(&name, cell_m, &table, [world.prior(cell_m), cells.prior()]))
-        }
-    }
+    let table = Table::of(&rows, &[("cell_m", &|row| rounded(row.0)), ("truth", &|row| json!(row.1))]);
+    let table = table.with(&rows, &FOUND, |row, number| optional(row.2[number]));
+    table.print(options.print.format, || {
+        let layout = scene.layout.map(|layout| format!(", layout {layout}")).unwrap_or_default();
+        let name = format!("{}{layout}", options.scene.display());
+        let cells = Estimate::of(&scene::truth(&scene));
+        text(&name, cell_m, &rows, [world.prior(cell_m), cells.prior()])
+    })
 }
 
 /// What points of the world that far apart give; what needs all lags or whole runs only with the nearest.
-fn world_row(world: &World, at_m: f64, predicted: Option<f64>) -> Vec<Value> {
+fn of_world(world: &Sampled, at_m: f64, predicted: Option<f64>) -> Found {
     let nearest = Some(&world.found).filter(|found| at_m < 1.1 * found.cell_m);
-    vec![
-        table::rounded(at_m),
-        json!("world"),
-        optional(world.found.occupancy),
-        optional(world.lag(at_m).map(|lag| lag.correlation)),
-        optional(predicted),
-        optional(world.prior(at_m).map(|prior| prior.correlation)),
-        optional(world.length_m(at_m)),
-        optional(nearest.and_then(Estimate::length_fit_m)),
-        optional(nearest.and_then(|found| found.mean_run_m)),
-        optional(nearest.and_then(|found| found.mean_complete_run_m)),
-    ]
+    let found = [
+        world.found.occupancy,
+        world.lag(at_m).map(|lag| lag.correlation),
+        predicted,
+        world.prior(at_m).map(|prior| prior.correlation),
+        world.length_m(at_m),
+        nearest.and_then(Estimate::length_fit_m),
+        nearest.and_then(|found| found.mean_run_m),
+        nearest.and_then(|found| found.mean_complete_run_m),
+    ];
+    (at_m, "world", found)
 }
 
 /// What the cells that maps are scored on give.
-fn covered_row(found: &Estimate, predicted: Option<f64>) -> Vec<Value> {
-    vec![
-        table::rounded(found.cell_m),
-        json!("cells"),
-        optional(found.occupancy),
-        optional(found.correlation()),
-        optional(predicted),
-        optional(found.prior().map(|prior| prior.correlation)),
-        optional(found.length_m()),
-        optional(found.length_fit_m()),
-        optional(found.mean_run_m),
-        optional(found.mean_complete_run_m),
-    ]
+fn of_cells(found: &Estimate, predicted: Option<f64>) -> Found {
+    let values = [
+        found.occupancy,
+        found.correlation(),
+        predicted,
+        found.prior().map(|prior| prior.correlation),
+        found.length_m(),
+        found.length_fit_m(),
+        found.mean_run_m,
+        found.mean_complete_run_m,
+    ];
+    (found.cell_m, "cells", values)
 }
 
-fn text(name: &str, cell_m: f64, table: &Table, [world, cells]: [Option<Prior>; 2]) -> String {
-    let shown = |value: &Value| match value {
-        Value::Null => "-".to_owned(),
-        Value::String(text) => text.clone(),
-        number => number.as_f64().map_or_else(String::new, |v| format!("{v:.3}")),
+fn text(name: &str, cell_m: f64, rows: &[Found], [world, cells]: [Option<Prior>; 2]) -> String {
+    let shown = |value: &Option<f64>| value.map_or_else(|| "-".to_owned(), |value| format!("{value:.3}"));
+    let row = |(cell_m, truth, found): &Found| {
+        [shown(&Some(*cell_m)), (*truth).to_owned()].into_iter().chain(found.iter().map(shown)).collect()
     };
-    let rows: Vec<Vec<String>> = table.rows().iter().map(|row| row.iter().map(shown).collect()).collect();
+    let rows: Vec<Vec<String>> = rows.iter().map(row).collect();
     format!(
         "{name}: at {cell_m} m\n\n\
          the world                           {}\n\

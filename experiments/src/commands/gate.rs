@@ -1,18 +1,19 @@
-//! `gate`: the build fails when maps get worse, with a message that says which metric, where and by how much.
+//! `gate`: the build fails when maps get worse, with a message that names the metric, the place and the difference.
 //!
-//! A file of gates ([`mod@file`]) says what must hold of which mapper; what it needs is mapped and scored anew from fixed
+//! A file of gates ([`mod@file`]) states what must hold of which mapper; what it needs is mapped and scored anew from fixed
 //! seeds ([`measure`]), and judged by bounds, by another mapper, or by values kept from a time when the maps were
 //! good ([`baseline`], [`verdict`]). [`program`] is the whole of it as a program of your own, with your own mappers.
 
 pub mod baseline;
+pub mod door;
 pub mod file;
 pub mod measure;
 pub mod options;
+pub mod source;
 pub mod tables;
 pub mod update;
 pub mod verdict;
 pub mod views;
-pub mod world;
 
 use std::fs::{File, OpenOptions};
 use std::io::{Read as _, Write as _};
@@ -28,11 +29,10 @@ pub use self::options::GateOptions;
 use self::file::{Gate, Gates};
 use self::measure::Values;
 use self::verdict::{Outcome, Verdict};
-use crate::cli::Format;
+use crate::exit;
 use crate::failure::Failure;
 use crate::jobs::interruption;
-use crate::output::single;
-use crate::output::table;
+use crate::output::{note, single};
 
 /// The command line of a program of your own: gates on your mappers and the built-in ones.
 ///
@@ -52,10 +52,7 @@ use crate::output::table;
 /// }
 /// ```
 pub fn program(own: &[Entry]) -> ExitCode {
-    match run_with(&GateOptions::parse(), own) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => failure.report(),
-    }
+    exit::code(run_with(&GateOptions::parse(), own))
 }
 
 /// Runs the gates on the built-in mappers.
@@ -86,17 +83,14 @@ pub fn run_with(options: &GateOptions, own: &[Entry]) -> Result<(), Failure> {
     let outcomes = asked.judge(options, &baseline)?;
     let heading = heading(&asked.gates, options.stream);
     if let Some(path) = &options.junit {
-        write(path, &views::junit(&outcomes, &asked.gates.file)?, false)?;
+        write(path, &views::junit(&outcomes, &asked.gates.file)?, Former::Replaced)?;
     }
     if let Some(path) = &options.summary {
-        write(path, views::markdown(&outcomes, &heading).as_bytes(), is_shared(path))?;
+        let former = if is_shared(path) { Former::Kept } else { Former::Replaced };
+        write(path, views::markdown(&outcomes, &heading).as_bytes(), former)?;
     }
-    match options.format {
-        Format::Csv => tables::table(&outcomes).print(false)?,
-        Format::Json => tables::table(&outcomes).print(true)?,
-        Format::Text => table::print(&tables::text(&outcomes, &heading))?,
-    }
-    let _ = writeln!(std::io::stderr(), "{} gates in {:.0} s", outcomes.len(), start.elapsed().as_secs_f64());
+    tables::table(&outcomes).print(options.print.format, || tables::text(&outcomes, &heading))?;
+    note(format_args!("{} gates in {:.0} s", outcomes.len(), start.elapsed().as_secs_f64()));
     all_pass(&outcomes)
 }
 
@@ -155,7 +149,7 @@ fn update(options: &GateOptions, asked: Asked) -> Result<(), Failure> {
         Ok(old) => old.unwrap_or_default(),
         // Nothing is to be kept of it.
         Err(Failure::BadInput(what)) if options.only.is_empty() && path.is_file() => {
-            let _ = writeln!(std::io::stderr(), "warning: {what}");
+            note(format_args!("warning: {what}"));
             Values::new()
         }
         Err(failure) => return Err(failure),
@@ -163,13 +157,10 @@ fn update(options: &GateOptions, asked: Asked) -> Result<(), Failure> {
     let measured = measure::measure(&gates, &known, 0, options.threads())?;
     let new = update::merged(&all, &old, verdict::baselines(&gates.gates, &measured)?);
     baseline::write(path, &new)?;
-    match options.format {
-        Format::Csv => update::table(&gates.gates, &old, &new).print(false)?,
-        Format::Json => update::table(&gates.gates, &old, &new).print(true)?,
-        Format::Text => table::print(&update::text(&gates.gates, &old, &new))?,
-    }
+    let table = update::table(&gates.gates, &old, &new);
+    table.print(options.print.format, || update::text(&gates.gates, &old, &new))?;
     let gone = old.keys().filter(|key| !new.contains_key(key)).count();
-    let _ = writeln!(std::io::stderr(), "{}: {} values, {gone} gone; commit it and say why", path.display(), new.len());
+    note(format_args!("{}: {} values, {gone} gone; commit it and say why", path.display(), new.len()));
     Ok(())
 }
 
@@ -232,7 +223,15 @@ fn writable(path: &Path, beginning: &str, reads: &[&Path]) -> Result<(), Failure
     })
 }
 
-fn write(path: &Path, bytes: &[u8], append: bool) -> Result<(), Failure> {
+/// What becomes of the content that a file has.
+#[derive(Clone, Copy, PartialEq)]
+enum Former {
+    Kept,
+    Replaced,
+}
+
+fn write(path: &Path, bytes: &[u8], former: Former) -> Result<(), Failure> {
+    let append = former == Former::Kept;
     let opened = OpenOptions::new().create(true).write(true).append(append).truncate(!append).open(path);
     opened.and_then(|mut file| file.write_all(bytes)).map_err(|error| Failure::write(path, &error))
 }

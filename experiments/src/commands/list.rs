@@ -1,68 +1,91 @@
 //! `list`: what there is to run.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use clap::CommandFactory as _;
-use mapper::catalogue::MAPPERS;
-use serde_json::{Value, json};
+use clap::{Args, Command};
+use mapper::catalogue::{Entry, MAPPERS};
+use serde_json::json;
 
-use crate::cli::{Cli, Format, ListOptions};
 use crate::failure::Failure;
-use crate::output::table::{self, Table};
+use crate::output::args::FormatOption;
+use crate::output::table::Table;
+
+/// Options of `list`.
+#[derive(Debug, Args)]
+pub struct ListOptions {
+    /// How the table is printed
+    #[command(flatten)]
+    pub print: FormatOption,
+}
 
 /// Folder in which scenes are looked for.
 const SCENES: &str = "scenes";
 
-/// Prints experiments, mappers, scenes and families.
+/// Prints `experiments`, mappers, scenes and families.
 ///
 /// # Errors
 /// A stdout that cannot be written.
-pub fn run(options: &ListOptions) -> Result<(), Failure> {
-    let mut table = Table::new(&["kind", "name", "summary", "source"]);
-    for command in Cli::command().get_subcommands() {
-        let about = command.get_about().map(ToString::to_string).unwrap_or_default();
-        table.push(vec![json!("experiment"), json!(command.get_name()), json!(about), Value::Null]);
-    }
-    for entry in MAPPERS {
-        table.push(vec![json!("mapper"), json!(entry.name), json!(entry.summary), json!(entry.source)]);
-    }
-    for (kind, path, description) in scenes(Path::new(SCENES)) {
-        table.push(vec![json!(kind), json!(path), json!(description), Value::Null]);
-    }
-    match options.format {
-        Format::Csv => table.print(false),
-        Format::Json => table.print(true),
-        Format::Text => table::print(&text(&table)),
+pub fn run<'a>(options: &ListOptions, experiments: impl Iterator<Item = &'a Command>) -> Result<(), Failure> {
+    let about = |command: &Command| command.get_about().map(ToString::to_string).unwrap_or_default();
+    let experiment = |command: &Command| Listed::new("experiment", command.get_name(), &about(command));
+    let mut all: Vec<Listed> = experiments.map(experiment).collect();
+    let mapper = |e: &Entry| Listed { source: Some(e.source), ..Listed::new("mapper", e.name, e.summary) };
+    all.extend(MAPPERS.iter().map(mapper));
+    all.extend(scenes(Path::new(SCENES)));
+    let table = Table::of(
+        &all,
+        &[
+            ("kind", &|row| json!(row.kind)),
+            ("name", &|row| json!(row.name)),
+            ("summary", &|row| json!(row.summary)),
+            ("source", &|row| json!(row.source)),
+        ],
+    );
+    table.print(options.print.format, || text(&all))
+}
+
+/// Something to run, or to run it on.
+struct Listed {
+    kind: &'static str,
+    name: String,
+    summary: String,
+    source: Option<&'static str>,
+}
+
+impl Listed {
+    fn new(kind: &'static str, name: &str, summary: &str) -> Self {
+        Self { kind, name: name.to_owned(), summary: summary.to_owned(), source: None }
     }
 }
 
-fn text(table: &Table) -> String {
+fn text(all: &[Listed]) -> String {
     let mut text = String::new();
-    let mut kind = "";
-    for row in table.rows() {
-        let [now, name, summary] = [&row[0], &row[1], &row[2]].map(|value| value.as_str().unwrap_or_default());
-        if now != kind {
-            let heading = if now == "family" { "families, one scene per layout".to_owned() } else { format!("{now}s") };
-            text += &format!("{}{heading}\n", if kind.is_empty() { "" } else { "\n" });
-            kind = now;
-        }
-        text += &format!("  {name:22} {summary}\n");
+    for (number, group) in all.chunk_by(|a, b| a.kind == b.kind).enumerate() {
+        text += if number == 0 { "" } else { "\n" };
+        text += &match group[0].kind {
+            "family" => "families, one scene per layout\n".to_owned(),
+            kind => format!("{kind}s\n"),
+        };
+        group.iter().for_each(|Listed { name, summary, .. }| text += &format!("  {name:22} {summary}\n"));
     }
     text
 }
 
 /// Files in `folder` with their kind and description: scenes first, then families, each sorted; a file that is
-/// neither says so.
-fn scenes(folder: &Path) -> Vec<(&'static str, String, String)> {
+/// neither is listed with the reason.
+fn scenes(folder: &Path) -> Vec<Listed> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     let mut paths: Vec<_> = entries.filter(|path| path.extension().is_some_and(|e| e == "toml")).collect();
     paths.sort();
-    let describe = |path: &Path| match (scene::Family::load(path), scene::load(path, None, None)) {
-        (Ok(family), _) => ("family", family.description),
-        (_, Ok(scene)) => ("scene", scene.description),
-        (_, Err(error)) => ("scene", format!("not a valid scene: {error}")),
+    let describe = |path: &PathBuf| {
+        let (kind, summary) = match (scene::Family::load(path), scene::load(path, None, None)) {
+            (Ok(family), _) => ("family", family.description),
+            (_, Ok(scene)) => ("scene", scene.description),
+            (_, Err(error)) => ("scene", format!("not a valid scene: {error}")),
+        };
+        Listed::new(kind, &path.display().to_string(), &summary)
     };
-    let mut found: Vec<_> = paths.iter().map(|path| (describe(path), path.display().to_string())).collect();
-    found.sort_by_key(|((kind, _), _)| *kind == "family");
-    found.into_iter().map(|((kind, description), path)| (kind, path, description)).collect()
+    let mut found: Vec<Listed> = paths.iter().map(describe).collect();
+    found.sort_by_key(|listed| listed.kind == "family");
+    found
 }

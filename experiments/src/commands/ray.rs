@@ -3,6 +3,7 @@
 mod answer;
 mod cases;
 pub mod certainty;
+mod figures;
 pub mod file;
 mod no_hit;
 mod options;
@@ -14,18 +15,19 @@ pub use cases::{Case, NAMES, find};
 pub use options::RayOptions;
 pub use viewing_ray::{MOST_CELLS, ViewingRay, both};
 
-use std::io::{self, Write as _};
+use std::io::Write as _;
 use std::path::Path;
 
 use scene::reader::nearest;
 use serde_json::json;
 
-use crate::cli::Format;
+use self::views::Digits;
 use crate::failure::Failure;
-use crate::figures;
 use crate::jobs::interruption;
+use crate::output::args::Format;
 use crate::output::folder::{Purpose, Staging};
-use crate::output::record::versions;
+use crate::output::note;
+use crate::output::record::Record;
 use crate::output::table;
 use crate::worlds::claims::{self, Claim};
 
@@ -54,17 +56,17 @@ pub fn run(options: &RayOptions) -> Result<(), Failure> {
     if let (Some(staging), Some(folder)) = (staging, &folder) {
         Outputs { name: &name, case: case.as_ref(), ray: &ray, answers: &answers, curve: &curve, claims: &claims }
             .write(staging)?;
-        let _ = writeln!(io::stderr(), "{}", folder.join("ray.png").display());
+        note(folder.join("ray.png").display());
     }
     match options.format {
         Format::Json => table::print(&views::json(&answers)?)?,
-        Format::Csv => table::print(&String::from_utf8_lossy(&views::csv(&ray, &answers, true)?))?,
+        Format::Csv => table::print(&String::from_utf8_lossy(&views::csv(&ray, &answers, Digits::All)?))?,
         Format::Text => table::print(&text(&name, case.as_ref(), &ray, &answers, &claims))?,
     }
     claims::all_hold(&claims)
 }
 
-/// Reads a ray file; a name that is neither a file nor a case says what there is.
+/// Reads a ray file; a name that is neither a file nor a case is refused with the cases that there are.
 fn load(path: &Path, name: &str) -> Result<ViewingRay, Failure> {
     if !path.exists() && path.extension().is_none() {
         return Err(Failure::BadInput(format!(
@@ -82,10 +84,7 @@ fn text(name: &str, case: Option<&Case>, ray: &ViewingRay, answers: &Answers, cl
         text += &format!("{}: {}\n\n", case.figure, case.about);
     }
     text += &views::text(name, ray, answers);
-    for claim in claims {
-        let verdict = if claim.holds { "holds" } else { "FAILS" };
-        text += &format!("\n{verdict}  {}:\n       {}", claim.claim, claim.measured);
-    }
+    text += &claims::below(claims);
     if claims.is_empty() { text } else { text + "\n" }
 }
 
@@ -108,32 +107,26 @@ impl Outputs<'_> {
         let about = case.map_or_else(|| (*name).to_owned(), |case| format!("{}: {}", case.figure, case.about));
         let toml = file::text(ray, &about);
         staging.write("ray.toml", |out| out.write_all(toml.as_bytes()))?;
-        let csv = views::csv(ray, answers, false)?;
+        let csv = views::csv(ray, answers, Digits::Six)?;
         staging.write("ray.csv", |out| out.write_all(&csv))?;
-        let picture = figures::ray::draw(ray, answers, case.map_or(&[], Case::bands))?;
+        let picture = figures::answers(ray, answers, case.map_or(&[], Case::bands))?;
         staging.write("ray.png", |out| out.write_all(&picture))?;
         if !self.curve.is_empty() {
             let table = certainty::table(self.curve);
-            staging.write("certainty.csv", |out| table.write_csv(out).map_err(io::Error::other))?;
-            let picture = figures::certainty::draw(self.curve, cases::UNCHANGED)?;
+            table.save(&mut staging, "certainty.csv")?;
+            let picture = figures::certainty(self.curve, cases::UNCHANGED)?;
             staging.write("certainty.png", |out| out.write_all(&picture))?;
         }
-        let record = json!({
-            "schema_version": 1,
-            "command": "ray",
-            "configuration": {
-                "ray": name,
-                "about": case.map(|case| format!("{}: {}", case.figure, case.about.replace('\n', " "))),
-                "cells": ray.cells(),
-                "cell_size": ray.cell_size_m,
-                "observation": ray.observation_px,
-                "no_hit_likelihood": ray.no_hit_likelihood,
-                "sensor": ray.stereo,
-            },
-            "claims": self.claims,
-            "versions": versions(),
+        let configuration = json!({
+            "ray": name,
+            "about": case.map(|case| format!("{}: {}", case.figure, case.about.replace('\n', " "))),
+            "cells": ray.cells(),
+            "cell_size": ray.cell_size_m,
+            "observation": ray.observation_px,
+            "no_hit_likelihood": ray.no_hit_likelihood,
+            "sensor": ray.stereo,
         });
-        staging.record(&record)?;
+        staging.record(&Record::new("ray", json!({ "configuration": configuration, "claims": self.claims })))?;
         staging.publish()
     }
 }

@@ -1,6 +1,8 @@
 //! `replay`: what a robot recorded, mapped by several rules, and how well each map predicts scans that it has not seen.
 
 mod extent;
+mod figure;
+mod mapping;
 mod options;
 mod outputs;
 mod predictions;
@@ -9,36 +11,21 @@ mod seen;
 
 pub use options::ReplayOptions;
 
-use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::time::Instant;
 
-use grid::Raster;
-use logs::Sensor;
-use mapper::catalogue::{Entry, Setup};
-use mapper::{Mapper, PairwiseGrid};
-use rayon::prelude::*;
-use sensor::{Scan, SensorModel};
+use mapper::catalogue::Setup;
 
 use self::extent::Survey;
 use self::predictions::Predictions;
 use self::recording::Recording;
-use self::seen::{Reach, Seen};
-use crate::cli::Format;
 use crate::failure::Failure;
 use crate::jobs::interruption;
-use crate::jobs::progress::Count;
 use crate::jobs::threads;
+use crate::output::args::Format;
 use crate::output::folder::{Purpose, Staging};
-use crate::output::table;
+use crate::output::note;
 use crate::worlds::mappers::entries;
-
-/// Scans that are read before the mappers take them, each on a thread.
-const BATCH: usize = 64;
-
-/// More cells than this are not a building but a mistake in the poses: some 20 GB with all mappers.
-const MOST_CELLS: usize = 100_000_000;
 
 /// Maps a log and scores the maps by the scans that were kept back.
 ///
@@ -49,7 +36,7 @@ pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
     interruption::watch();
     let entries = entries(&options.mappers)?;
     let recording = Recording::of(options)?;
-    threads::limit(options.threads)?;
+    threads::limit(options.threads.count)?;
     let sensor = options.sensor(recording.scans()?.sensor())?;
     let survey = Survey::of(&recording, options.reach, &*sensor)?;
     if survey.kept == 0 {
@@ -69,8 +56,8 @@ pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
     }
     let grid = survey.grid(options.grid)?;
     let setup = Setup {
-        prior: options.belief.prior(),
-        reconciliation: options.belief.reconciliation(),
+        prior: options.prior.prior(),
+        reconciliation: options.prior.reconciliation(),
         ..Setup::new(grid, sensor)
     };
     let out = options.out();
@@ -79,32 +66,27 @@ pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
     let mut staging = Staging::open(&out, &Purpose::new("replay", &reads, outputs::names(&entries)))?;
 
     let mapping = Instant::now();
-    let maps = mapped(&recording, &survey, options.hold_out, &entries, &setup)?;
+    let maps = mapping::map(&recording, &survey, options.hold_out, &entries, &setup)?;
     let seconds = mapping.elapsed().as_secs_f64();
     let predictions = Predictions::of(&recording, options.hold_out, &maps, &setup)?;
     let told = outputs::Told { options, survey: &survey, setup: &setup, maps: &maps, predictions: &predictions };
     outputs::write(&mut staging, &told)?;
     staging.publish()?;
 
-    match options.format {
-        Format::Text => {
-            table::print(&outputs::text(&told))?;
-            let place = out.join("report.html");
-            let mapped = survey.kept - survey.kept / options.hold_out;
-            let _ = writeln!(
-                io::stderr(),
-                "{} in {:.1} s; {:.0} scans/s by {} mappers at once{}",
-                place.display(),
-                start.elapsed().as_secs_f64(),
-                mapped as f64 / seconds,
-                entries.len(),
-                pace(&survey, start.elapsed().as_secs_f64())
-            );
-            Ok(())
-        }
-        Format::Csv => predictions.table().print(false),
-        Format::Json => predictions.table().print(true),
+    predictions.table().print(options.print.format, || outputs::text(&told))?;
+    if options.print.format == Format::Text {
+        let place = out.join("report.html");
+        let mapped = survey.kept - survey.kept / options.hold_out;
+        note(format_args!(
+            "{} in {:.1} s; {:.0} scans/s by {} mappers at once{}",
+            place.display(),
+            start.elapsed().as_secs_f64(),
+            mapped as f64 / seconds,
+            entries.len(),
+            pace(&survey, start.elapsed().as_secs_f64())
+        ));
     }
+    Ok(())
 }
 
 /// How much faster than it was recorded.
@@ -114,69 +96,3 @@ fn pace(survey: &Survey, seconds: f64) -> String {
         _ => String::new(),
     }
 }
-
-/// What mappers made of the scans that were not kept back.
-pub(crate) struct Maps {
-    pub(crate) maps: Vec<Map>,
-    /// Cells that a beam crossed or ended in.
-    pub(crate) seen: Raster<bool>,
-}
-
-/// The map of one mapper.
-pub(crate) struct Map {
-    pub(crate) mapper: &'static str,
-    pub(crate) occupancy: Raster<f64>,
-    /// Its joint probabilities, if it holds any.
-    pub(crate) pairs: Option<PairwiseGrid>,
-}
-
-/// Whether a scan is kept back: the last of every so many.
-fn is_kept_back(number: u64, hold_out: u64) -> bool {
-    (number + 1).is_multiple_of(hold_out)
-}
-
-fn mapped(
-    recording: &Recording,
-    survey: &Survey,
-    hold_out: u64,
-    entries: &[&'static Entry],
-    setup: &Setup,
-) -> Result<Maps, Failure> {
-    let progress = Count::scans(survey.kept);
-    let mut mappers: Vec<Box<dyn Mapper>> = entries.iter().map(|entry| (entry.build)(setup)).collect();
-    let reach = match survey.sensor {
-        Sensor::Laser { .. } => Reach::Reading,
-        Sensor::Stereo => Reach::Median,
-    };
-    let mut seen = Seen::new(setup.grid, reach);
-    let mut batch = Vec::with_capacity(BATCH);
-    let mut take = |batch: &mut Vec<Scan>, mappers: &mut [Box<dyn Mapper>]| {
-        rayon::join(
-            || mappers.par_iter_mut().for_each(|mapper| batch.iter().for_each(|scan| mapper.integrate(scan))),
-            || batch.iter().for_each(|scan| seen.add(scan, &*setup.sensor)),
-        );
-        batch.clear();
-    };
-    for (number, scan) in (0..).zip(recording.scans()?) {
-        let scan = scan.map_err(recording::refused)?;
-        progress.step();
-        if !is_kept_back(number, hold_out) {
-            batch.push(scan);
-            if batch.len() == BATCH {
-                take(&mut batch, &mut mappers);
-            }
-        }
-    }
-    take(&mut batch, &mut mappers);
-    mappers.par_iter_mut().for_each(|mapper| mapper.settle());
-    progress.finish();
-    let maps = entries.iter().zip(&mappers).map(|(entry, mapper)| Map {
-        mapper: entry.name,
-        occupancy: mapper.occupancy().clone(),
-        pairs: mapper.pairwise(),
-    });
-    Ok(Maps { maps: maps.collect(), seen: seen.cells })
-}
-
-/// A sensor that mappers share.
-type Shared = Arc<dyn SensorModel>;

@@ -1,51 +1,63 @@
 //! `report DIR`: the page of a folder of results, made anew.
 //!
-//! Numbers come from the folder. The maps that the page shows on the way are no files, so the worlds
-//! shown are simulated again, and must give the numbers that stand in the folder.
-
-mod compare;
-mod room;
-mod source;
+//! Numbers come from the folder. The maps that the page shows on the way are no files, so the command that left the
+//! folder simulates the worlds shown again, and must find the numbers that stand in the folder.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
+use clap::Args;
 use serde_json::Value;
 
-use self::source::Folder;
-use crate::cli::ReportOptions;
 use crate::failure::Failure;
 use crate::jobs::interruption;
 use crate::output::folder::{Purpose, Staging, recover};
 use crate::output::ledger::{Ledger, RECORD};
+use crate::output::note;
 use crate::output::single::{self, Existing, Whole};
+use crate::page::Folder;
 
-/// Makes the page.
+/// Options of `report`.
+#[derive(Debug, Args)]
+pub struct ReportOptions {
+    /// Folder that `room` or `compare` left
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Page to write [default: report.html in the folder]
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Replace the page if it is there already
+    #[arg(long, requires = "out")]
+    pub force: bool,
+}
+
+/// Makes the page of a folder anew, from the folder and its record.
+pub type Renewal = fn(&Folder, &Value) -> Result<String, Failure>;
+
+/// Makes the page; `pages` are the commands that leave one, by name.
 ///
 /// # Errors
 /// A folder that no command of ours left, or whose numbers this program does not find again; I/O.
-pub fn run(options: &ReportOptions) -> Result<(), Failure> {
+pub fn run(options: &ReportOptions, pages: &[(&str, Renewal)]) -> Result<(), Failure> {
     interruption::watch();
     let folder = Folder { path: &options.folder };
     if folder.path.is_dir() {
         recover(folder.path)?;
     }
     let record = folder.record()?;
-    let page: fn(&Folder, &Value) -> Result<String, Failure> = match record["command"].as_str() {
-        Some("room") => room::page,
-        Some("compare") => compare::page,
-        Some(other) => {
-            let why = format!("the command {other:?} leaves no page; give a folder of 'room' or 'compare'");
-            return Err(folder.refuse(RECORD, &why));
-        }
-        None => return Err(folder.refuse(RECORD, "names no command; give a folder that 'room' or 'compare' left")),
+    let Some(command) = record["command"].as_str() else {
+        return Err(folder.refuse(RECORD, "names no command; give a folder that 'room' or 'compare' left"));
+    };
+    let Some((_, renewed)) = pages.iter().find(|(name, _)| *name == command) else {
+        let why = format!("the command {command:?} leaves no page; give a folder of 'room' or 'compare'");
+        return Err(folder.refuse(RECORD, &why));
     };
     if let Ledger::Foreign(why) = Ledger::read(folder.path) {
         return Err(folder.refuse(RECORD, &format!("{why}; run the command again, into another folder")));
     }
     let place = Place::of(options, &record)?;
-    let out = place.write(page(&folder, &record)?)?;
-    let _ = writeln!(std::io::stderr(), "{}", out.display());
+    let out = place.write(renewed(&folder, &record)?)?;
+    note(out.display());
     Ok(())
 }
 

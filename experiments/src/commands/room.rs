@@ -1,28 +1,33 @@
 //! The paper's room experiment: simulate, map, score, show.
 
-pub(crate) mod document;
+mod again;
+mod document;
+mod options;
 mod outputs;
+mod plan;
+mod record;
+mod summary;
 
-use std::io::Write as _;
+pub use again::page as renewed_page;
+pub use options::RoomOptions;
+
 use std::path::Path;
-use std::sync::Arc;
 use std::time::Instant;
 
 use mapper::catalogue::{Entry, Setup};
 use rayon::prelude::*;
 
-use crate::cli::{Format, RoomOptions};
+use self::plan::RoomPlan;
+use self::record::Parts;
 use crate::failure::Failure;
 use crate::jobs::interruption;
 use crate::jobs::progress::Progress;
 use crate::jobs::threads;
+use crate::output::args::Format;
 use crate::output::folder::{self, Purpose, Staging};
-use crate::output::record::{Configuration, Record, Robot, Stage, versions};
-use crate::output::summary;
-use crate::output::table;
-use crate::page;
+use crate::output::note;
+use crate::output::record::Record;
 use crate::worlds::claims::{self, Claim};
-use crate::worlds::mappers::entries;
 use crate::worlds::run::{Ground, Keep, Trial};
 
 /// Runs the experiment.
@@ -33,83 +38,32 @@ pub fn run(options: &RoomOptions) -> Result<(), Failure> {
     let start = Instant::now();
     interruption::watch();
     let seeds = seeds(options)?;
-    let Plan { ground, mappers, setup, frames } = Plan::of(options)?;
+    let RoomPlan { ground, mappers, setup, frames } = RoomPlan::of(options)?;
     let usual = || folder::for_scene(&Path::new("results").join(&ground.scene.name), &options.scene);
     let out = options.out.clone().unwrap_or_else(usual);
-    claimable(&ground, options)?;
+    plan::claimable(&ground, options)?;
     let files = outputs::names(&ground, &mappers);
     let mut staging = Staging::open(&out, &Purpose::new("room", &[&options.scene], files))?;
-    threads::limit(options.threads)?;
+    threads::limit(options.threads.count)?;
     let trials = trials(&ground, &seeds, &mappers, &setup, &frames)?;
-    let stages = stages(&ground, &trials[0]);
+    let stages = ground.stages(&trials[0]);
     let claimed = ground.scene.regions.iter().filter(|region| region.claims);
     let claims: Vec<Claim> = claimed.flat_map(|region| claims::judge(&trials, &region.name)).collect();
-    let record = record(options, &ground, &mappers, &stages, &claims);
+    let record = Record::new("room", Parts::of(options, &ground, &mappers, &stages, &claims));
     let metrics = outputs::metrics(&ground, &trials, &stages);
     outputs::write(&mut staging, &ground, &trials, &stages, &frames, &metrics, &record)?;
     staging.publish()?;
 
-    match options.format {
-        Format::Text => {
-            table::print(&summary::text(&ground, &trials, &stages, &claims))?;
-            let place = out.join("report.html");
-            let _ = writeln!(std::io::stderr(), "{} in {:.1} s", place.display(), start.elapsed().as_secs_f64());
-        }
-        Format::Csv => metrics.print(false)?,
-        Format::Json => metrics.print(true)?,
+    metrics.print(options.format, || summary::text(&ground, &trials, &stages, &claims))?;
+    if options.format == Format::Text {
+        let place = out.join("report.html");
+        note(format_args!("{} in {:.1} s", place.display(), start.elapsed().as_secs_f64()));
     }
     if claims.is_empty() && ground.scene.regions.iter().any(|region| region.claims) {
         let note = "note: the scene's claims compare visibility with conventional; without both they are not judged";
-        let _ = writeln!(std::io::stderr(), "{note}");
+        crate::output::note(note);
     }
     claims::all_hold(&claims)
-}
-
-/// Everything that a trial needs, from the options.
-pub(crate) struct Plan {
-    pub(crate) ground: Ground,
-    pub(crate) mappers: Vec<&'static Entry>,
-    pub(crate) setup: Setup,
-    /// Scans after which the report shows the maps.
-    pub(crate) frames: Vec<usize>,
-}
-
-impl Plan {
-    pub(crate) fn of(options: &RoomOptions) -> Result<Self, Failure> {
-        let mappers = entries(&options.mappers)?;
-        let ground = Ground::new(scene::load(&options.scene, options.grid, options.layout)?, options.belief.prior)?;
-        let setup = Setup {
-            prior: options.belief.prior(),
-            reconciliation: options.belief.reconciliation(),
-            ..Setup::new(ground.scene.grid, Arc::new(ground.scene.matcher.stereo))
-        };
-        Ok(Self { frames: page::moments(&ground, page::FRAMES), ground, mappers, setup })
-    }
-}
-
-/// The metrics of the first seed alone, as `metrics.csv` has them, and the trial.
-pub(crate) fn first_seed(plan: &Plan, options: &RoomOptions) -> Result<(Trial, table::Table), Failure> {
-    let keep = Keep { timeline: false, frames: plan.frames.clone() };
-    let trial = plan.ground.trial(options.seed, &plan.mappers, &plan.setup, &keep, &|_, _| ())?;
-    let stages = stages(&plan.ground, &trial);
-    let metrics = outputs::metrics(&plan.ground, std::slice::from_ref(&trial), &stages);
-    Ok((trial, metrics))
-}
-
-/// Claims are made about free cells: a region without any is a mistake in the scene.
-fn claimable(ground: &Ground, options: &RoomOptions) -> Result<(), Failure> {
-    for region in ground.scene.regions.iter().filter(|region| region.claims) {
-        let mask = region.mask(ground.truth.spec());
-        if !mask.values().iter().zip(ground.truth.values()).any(|(inside, truth)| *inside && *truth == Some(false)) {
-            return Err(Failure::BadInput(format!(
-                "{}: region {}: has claims = true but no free cell of {} m; make it larger, move it, or leave the claims out",
-                options.scene.display(),
-                region.name,
-                ground.scene.grid.cell_m
-            )));
-        }
-    }
-    Ok(())
 }
 
 fn seeds(options: &RoomOptions) -> Result<Vec<u64>, Failure> {
@@ -147,39 +101,4 @@ fn trials(
         .collect();
     progress.finish();
     trials
-}
-
-pub(crate) fn stages(ground: &Ground, trial: &Trial) -> Vec<Stage> {
-    let plans = ground.scene.stages.iter().zip(&trial.simulation.stages);
-    plans.map(|(plan, done)| Stage { name: plan.name.clone(), label: plan.label.clone(), scans: done.scans }).collect()
-}
-
-pub(crate) fn record(
-    options: &RoomOptions,
-    ground: &Ground,
-    mappers: &[&Entry],
-    stages: &[Stage],
-    claims: &[Claim],
-) -> Record {
-    Record {
-        schema_version: 1,
-        command: "room",
-        seed: options.seed,
-        configuration: Configuration {
-            scene: options.scene.display().to_string(),
-            layout: ground.scene.layout,
-            seeds: options.seeds,
-            mappers: mappers.iter().map(|entry| entry.name).collect(),
-            prior: options.belief.prior(),
-            reconciliation: options.belief.reconciliation(),
-            sensor: ground.scene.matcher,
-            columns: ground.scene.camera.columns,
-            field_of_view_rad: ground.scene.camera.field_of_view_rad,
-            robot: Robot::of(&ground.scene),
-        },
-        grid: ground.scene.grid,
-        stages: stages.to_vec(),
-        claims: claims.to_vec(),
-        versions: versions(),
-    }
 }

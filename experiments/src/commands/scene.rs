@@ -1,4 +1,22 @@
-//! Scene files, made from families, maps and floor plans.
+//! `scene`: scene files from families of scenes, maps and floor plans.
 
-pub mod from_map;
-pub mod generate;
+mod from_map;
+mod generate;
+mod options;
+
+pub use options::SceneCommand;
+
+use self::from_map::Drawing;
+use crate::failure::Failure;
+
+/// Makes a scene file.
+///
+/// # Errors
+/// The first problem with what it is made from; a file that cannot be written.
+pub fn run(command: &SceneCommand) -> Result<(), Failure> {
+    match command {
+        SceneCommand::Generate(options) => generate::run(options),
+        SceneCommand::FromMap(options) => from_map::run(options, Drawing::Map),
+        SceneCommand::FromPlan(options) => from_map::run(options, Drawing::Plan),
+    }
+}

@@ -12,27 +12,24 @@ pub mod tables;
 
 pub use options::SpeedOptions;
 
-use std::io::{self, Write as _};
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
-
 use mapper::catalogue::Setup;
-use sensor::Stereo;
+use std::path::{Path, PathBuf};
 
 use self::growth::Sizes;
 use self::hall::Hall;
 use self::scans::ScanSet;
 use self::tables::Conditions;
-use crate::cli::Format;
 use crate::failure::Failure;
 use crate::jobs::interruption;
 use crate::jobs::progress::Count;
 use crate::jobs::threads;
+use crate::output::args::Format;
 use crate::output::folder::{Purpose, Staging};
+use crate::output::note;
 use crate::output::table;
 use crate::worlds::mappers::entries;
 
-/// Maps the same scans by every mapper with a clock, and says what each took.
+/// Maps the same scans by every mapper with a clock, and prints the time of each.
 ///
 /// # Errors
 /// Bad input before any measurement, I/O, and a mapper that did not do its work.
@@ -41,14 +38,14 @@ pub fn run(options: &SpeedOptions) -> Result<(), Failure> {
     let entries = entries(&options.mappers)?;
     if options.growth {
         growth::online(&entries)?;
-        if options.format == Format::Csv && options.out.is_none() {
+        if options.print.format == Format::Csv && options.out.is_none() {
             let message =
                 "--growth --format csv: gives two tables, and stdout takes one; name a folder for both with --out";
             return Err(Failure::BadInput(message.to_owned()));
         }
     }
     let set = match &options.scans {
-        Some(path) => file::load(path)?,
+        Some(path) => file::load(path, options.sensor)?,
         None => Hall::new()?.scans(),
     };
     let (setup, conditions) = conditions(options, &set)?;
@@ -57,10 +54,9 @@ pub fn run(options: &SpeedOptions) -> Result<(), Failure> {
     let staging = options.out.as_deref().map(|folder| Staging::open(folder, &purpose)).transpose()?;
     threads::limit(Some(1))?;
     if cfg!(debug_assertions) {
-        let _ = writeln!(
-            io::stderr(),
+        note(format_args!(
             "warning: this build checks every map after every scan, and is slower for it; run with cargo run --release"
-        );
+        ));
     }
 
     let (repeats, sizes) = (options.repeats as usize, Sizes::default());
@@ -73,21 +69,19 @@ pub fn run(options: &SpeedOptions) -> Result<(), Failure> {
 
     if let (Some(staging), Some(folder)) = (staging, &options.out) {
         outputs::write(staging, &speeds, &conditions, curves.as_deref())?;
-        let _ = writeln!(io::stderr(), "{}", folder.join("speed.csv").display());
+        note(folder.join("speed.csv").display());
     }
     let table = tables::table(&speeds, &conditions);
-    match (options.format, &curves) {
-        (Format::Csv, _) => table.print(false),
-        (Format::Json, None) => table.print(true),
+    match (options.print.format, &curves) {
         (Format::Json, Some(curves)) => {
             let mut json = table.to_json();
             json["growth"] = growth::table(curves).to_json()["rows"].take();
             table::print(&format!("{json:#}\n"))
         }
-        (Format::Text, curves) => {
+        (format, curves) => table.print(format, || {
             let growth = curves.as_ref().map(|curves| format!("\n{}", growth::text(curves))).unwrap_or_default();
-            table::print(&(tables::text(&speeds, &conditions) + &growth))
-        }
+            tables::text(&speeds, &conditions) + &growth
+        }),
     }
 }
 
@@ -101,13 +95,12 @@ fn conditions(options: &SpeedOptions, set: &ScanSet) -> Result<(Setup, Condition
     let visited = set.visited(&grid);
     if visited.rays == 0 {
         return Err(Failure::BadInput(format!(
-            "{source}: column range_m: none of {} rays has a range that the camera can see; one must, at a depth of 0.25 m or more \
-             in front of it; check the unit of the ranges (m) and of the bearings (rad)",
+            "{source}: column range_m: none of {} rays has a range that the sensor can see; one must, of a camera at a depth of \
+             0.25 m or more in front of it; check the unit of the ranges (m) and of the bearings (rad)",
             set.rays()
         )));
     }
-    let stereo = Stereo::default();
-    let setup = Setup::new(grid, Arc::new(stereo));
+    let setup = Setup::new(grid, set.sensor());
     let processor = processor::name();
     let conditions = Conditions { source, scans: set.scans.len(), visited, grid, repeats: options.repeats, processor };
     Ok((setup, conditions))

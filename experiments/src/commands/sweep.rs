@@ -13,13 +13,12 @@ pub mod plots;
 pub mod regions;
 pub mod row;
 pub mod shard;
-pub mod site;
 mod slurm;
+pub mod source;
 
 pub use options::SweepOptions;
 
 use std::fs;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -28,15 +27,12 @@ use serde_json::json;
 use self::manifest::{Manifest, Replace};
 use self::options::{Part, PlanOptions, RunOptions, StatusOptions};
 use self::shard::State;
-use crate::cli::Format;
 use crate::failure::Failure;
 use crate::jobs::interruption;
 use crate::jobs::threads;
 use crate::output::folder;
+use crate::output::note;
 use crate::output::table::{self, Table};
-
-/// Name of the merged table.
-pub const TABLE: &str = "table.csv";
 
 /// Does what the options ask for.
 ///
@@ -74,7 +70,7 @@ fn plan(options: &PlanOptions) -> Result<(), Failure> {
         if options.replace { Replace::Always } else { Replace::Never },
     )?;
     let place = folder.join(manifest::MANIFEST);
-    say(&format!("{}: {} jobs in {} shards", place.display(), manifest.head.jobs, manifest.head.shards));
+    note(format_args!("{}: {} jobs in {} shards", place.display(), manifest.head.jobs, manifest.head.shards));
     Ok(())
 }
 
@@ -85,7 +81,7 @@ fn run_shards(options: &RunOptions) -> Result<(), Failure> {
         return Err(Failure::BadInput(format!("--shard {shard}: must be 0 to {last}, as the manifest has them")));
     }
     let named = Some(&options.shard).filter(|shards| !shards.is_empty());
-    work(&manifest, named, options.threads)
+    work(&manifest, named, options.threads.count)
 }
 
 /// Runs the shards named, or all that are not done.
@@ -110,12 +106,12 @@ fn work(manifest: &Manifest, named: Option<&Vec<u32>>, threads: Option<u32>) -> 
         && let Some(estimate) = estimate::sample(manifest, &shards, threads)?
         && let Some(announcement) = estimate.announce(manifest)?
     {
-        say(&announcement);
+        note(announcement);
     }
     let ran = engine::run(manifest, &shards, threads)?;
     let failed = if ran.failed > 0 { format!(", {} with an error", counted(ran.failed, "row")) } else { String::new() };
     let (place, time) = (manifest.folder.display(), start.elapsed().as_secs_f64());
-    say(&format!(
+    note(format_args!(
         "{place}: {} in {} in {time:.0} s{failed}",
         counted(ran.jobs, "job"),
         counted(shards.len() as u64, "shard")
@@ -138,25 +134,18 @@ fn status(options: &StatusOptions) -> Result<(), Failure> {
         }
     }
     let tries = fs::read_dir(shard::failures(&options.folder)).map_or(0, Iterator::count);
-    let mut table = Table::new(&["what", "count", "of"]);
-    for (what, count, of) in [
-        ("shards done", counts[0], Some(u64::from(manifest.head.shards))),
-        ("shards missing", counts[1], Some(u64::from(manifest.head.shards))),
-        ("shards not whole, or of another manifest", counts[2], Some(u64::from(manifest.head.shards))),
+    let shards = Some(u64::from(manifest.head.shards));
+    let rows = [
+        ("shards done", counts[0], shards),
+        ("shards missing", counts[1], shards),
+        ("shards not whole, or of another manifest", counts[2], shards),
         ("jobs done", jobs, Some(manifest.head.jobs)),
         ("rows", rows, None),
         ("tries that failed", tries as u64, None),
-    ] {
-        table.push(vec![json!(what), json!(count), json!(of)]);
-    }
-    match options.format {
-        Format::Csv => table.print(false),
-        Format::Json => table.print(true),
-        Format::Text => {
-            let cells = |row: &Vec<serde_json::Value>| row.iter().map(table::field).collect();
-            table::print(&table::aligned(table.columns(), &table.rows().iter().map(cells).collect::<Vec<_>>()))
-        }
-    }
+    ];
+    let table =
+        Table::of(&rows, &[("what", &|row| json!(row.0)), ("count", &|row| json!(row.1)), ("of", &|row| json!(row.2))]);
+    table.print(options.print.format, || table::aligned(table.columns(), &table.fields()))
 }
 
 /// Nothing is printed where nothing is missing.
@@ -180,19 +169,15 @@ fn all(file: &Path, options: &SweepOptions) -> Result<(), Failure> {
         if options.replace { Replace::Always } else { Replace::OtherBuild },
     )?;
     if former.is_some_and(|former| former.digest != manifest.digest) {
-        say(&format!(
+        note(format_args!(
             "{}: another build, or another sweep, has planned it before: all of it runs again",
             folder.display()
         ));
     }
-    work(&manifest, None, options.threads)?;
+    work(&manifest, None, options.threads.count)?;
     outcome::conclude(&manifest, Some(&sweep))
 }
 
 fn counted(count: u64, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
-}
-
-fn say(text: &str) {
-    let _ = writeln!(std::io::stderr(), "{text}"); // nobody may be listening
 }

@@ -2,37 +2,35 @@
 
 pub mod candidates;
 pub mod clamps;
+mod figure;
 pub mod fit;
 mod options;
 pub mod outputs;
 
 pub use options::TuneOptions;
 
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use mapper::{Prior, Reconciliation};
 use scene::Set;
 
 use self::candidates::{Candidate, Tuned};
-use self::fit::Fit;
-use crate::cli::Format;
-use crate::commands::compare::conditions::AS_BELIEVED;
-use crate::commands::compare::plan::families;
-use crate::commands::compare::world::{Belief, Job};
+use self::fit::TunedFit;
 use crate::failure::Failure;
 use crate::jobs::engine;
 use crate::jobs::interruption;
 use crate::jobs::progress::Count;
 use crate::jobs::threads;
 use crate::output::folder::{Purpose, Staging};
-use crate::output::table;
+use crate::output::note;
+use crate::worlds::condition::AS_BELIEVED;
+use crate::worlds::scenes::families;
+use crate::worlds::site::WorldId;
 
 /// Mappers that take all scans at once are fitted on so many worlds of each family: they cost ten times as much.
 pub const BATCH_SEEDS: u32 = 3;
 
-/// Scores every candidate on the tuning set and says which are the best.
+/// Scores every candidate on the tuning set and prints the best.
 ///
 /// # Errors
 /// Bad input before any work, and I/O.
@@ -43,20 +41,16 @@ pub fn run(options: &TuneOptions) -> Result<(), Failure> {
     let mappers = distinct(&options.mappers)?;
     let reads: Vec<&Path> = options.families.iter().map(PathBuf::as_path).collect();
     let mut staging = Staging::open(&options.out, &Purpose::new("tune", &reads, outputs::FILES))?;
-    threads::limit(options.threads)?;
+    threads::limit(options.threads.count)?;
 
     let grids: Vec<Vec<Candidate>> = mappers.iter().map(|tuned| tuned.candidates()).collect();
     let tasks = tasks(&mappers, u64::from(options.seeds), families.len());
     let progress = Count::worlds(tasks.len());
     let errors = engine::each(&tasks, rayon::current_num_threads(), |task| {
         let family = &families[task.family];
-        let job = Job {
-            family: family.name.clone(),
-            condition: AS_BELIEVED.name.to_owned(),
-            seed: task.seed,
-            batch: mappers[task.mapper].is_batch(),
-        };
-        let errors = fit::errors(&job, family, &belief(), &grids[task.mapper])?;
+        let (family_name, condition) = (family.name.clone(), AS_BELIEVED.name.to_owned());
+        let world = WorldId { family: family_name, condition, cell_um: None, seed: task.seed };
+        let errors = fit::errors(&world, family, &grids[task.mapper])?;
         progress.step();
         Ok(errors)
     });
@@ -64,19 +58,15 @@ pub fn run(options: &TuneOptions) -> Result<(), Failure> {
     let errors = errors?;
     let fit = |(number, &tuned): (usize, &Tuned)| {
         let worlds = tasks.iter().zip(&errors).filter(|(task, _)| task.mapper == number);
-        Fit::new(tuned, &grids[number], &worlds.map(|(_, errors)| errors.as_slice()).collect::<Vec<_>>())
+        TunedFit::new(tuned, &grids[number], &worlds.map(|(_, errors)| errors.as_slice()).collect::<Vec<_>>())
     };
-    let fits: Vec<Fit> = mappers.iter().enumerate().map(fit).collect();
+    let fits: Vec<TunedFit> = mappers.iter().enumerate().map(fit).collect();
     outputs::write(&mut staging, &fits, options)?;
     staging.publish()?;
 
     let place = options.out.join("tuning.csv");
-    let _ = writeln!(std::io::stderr(), "{} in {:.0} s", place.display(), start.elapsed().as_secs_f64());
-    match options.format {
-        Format::Text => table::print(&outputs::text(&fits, options)),
-        Format::Csv => outputs::table(&fits).print(false),
-        Format::Json => outputs::table(&fits).print(true),
-    }
+    note(format_args!("{} in {:.0} s", place.display(), start.elapsed().as_secs_f64()));
+    outputs::table(&fits).print(options.format, || outputs::text(&fits, options))
 }
 
 /// A world for the candidates of one mapper.
@@ -97,11 +87,6 @@ fn tasks(mappers: &[Tuned], seeds: u64, families: usize) -> Vec<Task> {
     }
     tasks.sort_by_key(|task| !mappers[task.mapper].is_batch());
     tasks
-}
-
-/// What all candidates believe, as far as it is not what is fitted.
-fn belief() -> Belief {
-    Belief { prior: Prior::default(), reconciliation: Reconciliation::default() }
 }
 
 /// The mappers in the order of tables.

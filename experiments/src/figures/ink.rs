@@ -8,19 +8,19 @@ use plotters::style::{FontStyle, register_font as register};
 use crate::failure::Failure;
 
 /// Text.
-pub(super) const INK: RGBColor = RGBColor(34, 34, 34);
+pub const INK: RGBColor = RGBColor(34, 34, 34);
 
 /// Captions and frames that should step back.
-pub(super) const FAINT: RGBColor = RGBColor(120, 120, 120);
+pub const FAINT: RGBColor = RGBColor(120, 120, 120);
 
 /// A named region.
-pub(super) const REGION: RGBColor = RGBColor(213, 94, 0);
+pub const REGION: RGBColor = RGBColor(213, 94, 0);
 
 /// The robot and its route.
-pub(super) const ROUTE: RGBColor = RGBColor(0, 114, 178);
+pub const ROUTE: RGBColor = RGBColor(0, 114, 178);
 
-/// Cells that nobody knows the truth about.
-pub(super) const UNKNOWN: RGBColor = RGBColor(214, 222, 230);
+/// Cells whose truth is not known.
+pub const UNKNOWN: RGBColor = RGBColor(214, 222, 230);
 
 /// Line colours that colour-blind readers can tell apart (Okabe and Ito 2008).
 pub const LINES: [RGBColor; 7] = [
@@ -34,26 +34,26 @@ pub const LINES: [RGBColor; 7] = [
 ];
 
 /// Sizes of lettering, px.
-pub(super) const TITLE: u32 = 22;
-pub(super) const LABEL: u32 = 20;
+pub const TITLE: u32 = 22;
+pub const LABEL: u32 = 20;
 
 static FONT: OnceLock<bool> = OnceLock::new();
 
 /// Makes the bundled font known, once.
-pub(super) fn register_font() -> Result<(), Failure> {
+pub fn register_font() -> Result<(), Failure> {
     let bytes = include_bytes!("../../fonts/OpenSans-Regular.ttf");
     let known = FONT.get_or_init(|| register("sans-serif", FontStyle::Normal, bytes).is_ok());
     if *known { Ok(()) } else { Err(Failure::internal("the bundled font cannot be read")) }
 }
 
 /// Lettering of the given size and colour.
-pub(super) fn letters(size: u32, colour: &RGBColor) -> TextStyle<'_> {
+pub fn letters(size: u32, colour: &RGBColor) -> TextStyle<'_> {
     ("sans-serif", size).into_font().color(colour)
 }
 
 /// Colour of an occupancy: white for free, black for occupied, and light grey for the prior, so that
 /// what is not known does not look free. Linear in log odds between those, since evidence is.
-pub(super) fn occupancy(p: f64, prior: f64) -> RGBColor {
+pub fn occupancy(p: f64, prior: f64) -> RGBColor {
     const CERTAIN: f64 = 4.6; // log odds of 0.99
     const AT_PRIOR: f64 = 200.0;
     let odds = |p: f64| libm::log(p / (1.0 - p));
@@ -69,8 +69,8 @@ pub(super) fn occupancy(p: f64, prior: f64) -> RGBColor {
     RGBColor(level, level, level)
 }
 
-/// Colour of the truth: as a map that knows everything.
-pub(super) fn truth(cell: Option<bool>) -> RGBColor {
+/// Colour of the truth: as a map without doubt.
+pub fn truth(cell: Option<bool>) -> RGBColor {
     match cell {
         Some(true) => BLACK,
         Some(false) => WHITE,

@@ -6,8 +6,7 @@ use super::ink::{self, INK};
 use super::panel::Panel;
 use super::{Area, png};
 use crate::failure::Failure;
-use crate::output::record::Stage;
-use crate::worlds::run::{Ground, Trial};
+use crate::worlds::run::{Ground, Stage, Trial};
 
 /// What the picture shows.
 pub const CAPTION: &str = "Maps from the same readings (compare Figures 13 and 14): a row per mapper, a column per stage, the truth on \

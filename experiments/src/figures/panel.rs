@@ -10,8 +10,8 @@ use crate::failure::Failure;
 
 /// A rectangle of cells, drawn at `at` with so many pixels to a cell's side, or so many cells to a pixel.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Panel {
-    pub(super) spec: GridSpec,
+pub struct Panel {
+    pub spec: GridSpec,
     /// First column and row, and one past the last.
     columns: (usize, usize),
     rows: (usize, usize),
@@ -25,12 +25,12 @@ pub(super) struct Panel {
 
 impl Panel {
     /// The whole grid, at most about `width` pixels wide and half as much again high.
-    pub(super) fn whole(spec: GridSpec, width: usize) -> Self {
+    pub fn whole(spec: GridSpec, width: usize) -> Self {
         Self::part(spec, (0, spec.width), (0, spec.height), width)
     }
 
     /// The cells around a rectangle (m), of the same size at most.
-    pub(super) fn around(spec: GridSpec, [min, max]: [[f64; 2]; 2], width: usize) -> Self {
+    pub fn around(spec: GridSpec, [min, max]: [[f64; 2]; 2], width: usize) -> Self {
         let range = |k: usize, limit: usize| {
             let cell = |v: f64| ((v - spec.origin_m[k]) / spec.cell_m).max(0.0) as usize;
             (cell(min[k]).min(limit - 1), (cell(max[k]) + 1).min(limit))
@@ -48,18 +48,18 @@ impl Panel {
     }
 
     /// The same panel with its upper left corner at another place.
-    pub(super) fn at(self, x: u32, y: u32) -> Self {
+    pub fn at(self, x: u32, y: u32) -> Self {
         Self { at: (x as i32, y as i32), ..self }
     }
 
     /// Width and height, px.
-    pub(super) fn size(&self) -> (u32, u32) {
+    pub fn size(&self) -> (u32, u32) {
         let pixels = |(from, to): (usize, usize)| ((to - from).div_ceil(self.cells) * self.pixels) as u32;
         (pixels(self.columns), pixels(self.rows))
     }
 
     /// The pixel at a point (m).
-    pub(super) fn pixel(&self, [x, y]: [f64; 2]) -> (i32, i32) {
+    pub fn pixel(&self, [x, y]: [f64; 2]) -> (i32, i32) {
         let scale = self.pixels as f64 / self.cells as f64;
         let column = (x - self.spec.origin_m[0]) / self.spec.cell_m - self.columns.0 as f64;
         let row = self.rows.1 as f64 - (y - self.spec.origin_m[1]) / self.spec.cell_m;
@@ -67,24 +67,24 @@ impl Panel {
     }
 
     /// Whether a point (m) is in the picture.
-    pub(super) fn holds(&self, point: [f64; 2]) -> bool {
+    pub fn holds(&self, point: [f64; 2]) -> bool {
         let (x, y) = self.pixel(point);
         let (width, height) = self.size();
         (self.at.0..self.at.0 + width as i32).contains(&x) && (self.at.1..self.at.1 + height as i32).contains(&y)
     }
 
     /// Whether a whole region is in the picture.
-    pub(super) fn shows(&self, region: &Region) -> bool {
+    pub fn shows(&self, region: &Region) -> bool {
         region.area.extent_m().into_iter().all(|corner| self.holds(corner))
     }
 
     /// Pixels to a metre.
-    pub(super) fn scale(&self) -> f64 {
+    pub fn scale(&self) -> f64 {
         self.pixels as f64 / (self.cells as f64 * self.spec.cell_m)
     }
 
     /// Fills every cell, and draws a frame. Where several cells share a pixel the darkest shows.
-    pub(super) fn fill(&self, area: &Area, colour: impl Fn(usize) -> RGBColor) -> Result<(), Failure> {
+    pub fn fill(&self, area: &Area, colour: impl Fn(usize) -> RGBColor) -> Result<(), Failure> {
         let (width, height) = self.size();
         for y in 0..height as usize {
             for x in 0..width as usize {
@@ -112,7 +112,7 @@ impl Panel {
     }
 
     /// Outlines a region, with its name beside it if asked for.
-    pub(super) fn outline(&self, area: &Area, region: &Region, named: bool) -> Result<(), Failure> {
+    pub fn outline(&self, area: &Area, region: &Region, named: bool) -> Result<(), Failure> {
         let [_, max] = region.area.extent_m();
         let style = REGION.stroke_width(2);
         match region.area {
@@ -137,7 +137,7 @@ impl Panel {
     }
 
     /// A line through points (m). Leg by leg: a line that turns back on itself would lose its width.
-    pub(super) fn path(&self, area: &Area, points: &[[f64; 2]], colour: RGBColor) -> Result<(), Failure> {
+    pub fn path(&self, area: &Area, points: &[[f64; 2]], colour: RGBColor) -> Result<(), Failure> {
         points.windows(2).try_for_each(|leg| {
             let ends: Vec<_> = leg.iter().map(|&point| self.pixel(point)).collect();
             area.draw(&PathElement::new(ends, colour.stroke_width(3))).map_err(Failure::internal)
@@ -145,13 +145,7 @@ impl Panel {
     }
 
     /// The robot: a disc with a line where it looks.
-    pub(super) fn robot(
-        &self,
-        area: &Area,
-        pose: &sensor::Pose,
-        radius_m: f64,
-        colour: RGBColor,
-    ) -> Result<(), Failure> {
+    pub fn robot(&self, area: &Area, pose: &sensor::Pose, radius_m: f64, colour: RGBColor) -> Result<(), Failure> {
         let at = self.pixel(pose.position_m());
         let radius = (radius_m * self.scale()).max(3.0);
         area.draw(&Circle::new(at, radius as i32, colour.filled())).map_err(Failure::internal)?;

@@ -3,7 +3,7 @@
 use super::maps::sheet;
 use super::panel::Panel;
 use crate::failure::Failure;
-use crate::output::record::Stage;
+use crate::worlds::run::Stage;
 use crate::worlds::run::{Ground, Trial};
 
 /// What the picture shows.

@@ -6,7 +6,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use super::ink::{self, FAINT, INK, LINES};
 use super::{Area, png};
 use crate::failure::Failure;
-use crate::output::record::Stage;
+use crate::worlds::run::Stage;
 use crate::worlds::run::{Moment, Trial};
 
 /// What the picture shows.

@@ -1,9 +1,11 @@
 //! Tables: one value, three views.
 
-use std::io::Write;
+use std::io::{self, Write};
 
 use serde_json::{Map, Value, json};
 
+use super::args::Format;
+use super::folder::Staging;
 use crate::failure::Failure;
 
 /// A table with named columns. A value that does not exist is null: an empty field in CSV.
@@ -13,19 +15,24 @@ pub struct Table {
     rows: Vec<Vec<Value>>,
 }
 
+/// A column of a table over rows of a type: its name, and what it holds of a row.
+pub type Column<'a, R> = (&'static str, &'a dyn Fn(&R) -> Value);
+
 impl Table {
-    /// No rows yet.
-    pub fn new(columns: &[&'static str]) -> Self {
-        Self { columns: columns.to_vec(), rows: Vec::new() }
+    /// The table of some rows.
+    pub fn of<R>(rows: &[R], columns: &[Column<R>]) -> Self {
+        let row = |row: &R| columns.iter().map(|(_, value)| value(row)).collect();
+        Self { columns: columns.iter().map(|(name, _)| *name).collect(), rows: rows.iter().map(row).collect() }
     }
 
-    /// Adds a row with one value per column.
-    ///
-    /// # Panics
-    /// If the number of values is not the number of columns.
-    pub fn push(&mut self, row: Vec<Value>) {
-        assert_eq!(row.len(), self.columns.len(), "one value per column");
-        self.rows.push(row);
+    /// Adds a column for each name; `value` is given a row and the number of the name.
+    #[must_use]
+    pub fn with<R>(mut self, rows: &[R], names: &[&'static str], value: impl Fn(&R, usize) -> Value) -> Self {
+        self.columns.extend(names);
+        for (own, row) in self.rows.iter_mut().zip(rows) {
+            own.extend((0..names.len()).map(|number| value(row, number)));
+        }
+        self
     }
 
     /// Names of the columns.
@@ -51,6 +58,19 @@ impl Table {
         Ok(csv.flush()?)
     }
 
+    /// Leaves the table as a CSV file of a folder.
+    ///
+    /// # Errors
+    /// Whatever the system reports.
+    pub fn save(&self, staging: &mut Staging, name: &str) -> Result<(), Failure> {
+        staging.write(name, |out| self.write_csv(out).map_err(io::Error::other))
+    }
+
+    /// The cells as text, nothing where there is no value.
+    pub fn fields(&self) -> Vec<Vec<String>> {
+        self.rows.iter().map(|row| row.iter().map(field).collect()).collect()
+    }
+
     /// The table as JSON: `{"schema_version": 1, "rows": [{column: value}]}`.
     pub fn to_json(&self) -> Value {
         let object = |row: &Vec<Value>| -> Value {
@@ -59,17 +79,26 @@ impl Table {
         json!({ "schema_version": 1, "rows": self.rows.iter().map(object).collect::<Vec<_>>() })
     }
 
-    /// Writes the table to stdout as CSV, or as JSON.
+    /// Writes the table to stdout, for reading as `text` gives it.
     ///
     /// # Errors
     /// A stdout that cannot be written.
-    pub fn print(&self, json: bool) -> Result<(), Failure> {
-        if json {
-            return print(&format!("{:#}\n", self.to_json()));
+    pub fn print(&self, format: Format, text: impl FnOnce() -> String) -> Result<(), Failure> {
+        match format {
+            Format::Text => print(&text()),
+            Format::Json => print(&format!("{:#}\n", self.to_json())),
+            Format::Csv => print(&String::from_utf8_lossy(&self.csv()?)),
         }
+    }
+
+    /// The table as CSV.
+    ///
+    /// # Errors
+    /// None but a defect.
+    pub fn csv(&self) -> Result<Vec<u8>, Failure> {
         let mut bytes = Vec::new();
         self.write_csv(&mut bytes).map_err(Failure::internal)?;
-        print(&String::from_utf8_lossy(&bytes))
+        Ok(bytes)
     }
 }
 
@@ -78,9 +107,9 @@ impl Table {
 /// # Errors
 /// A stdout that cannot be written.
 pub fn print(text: &str) -> Result<(), Failure> {
-    let mut out = std::io::stdout().lock();
+    let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             Err(Failure::Internal(format!("stdout: cannot be written: {error}")))
         }
         _ => Ok(()),
@@ -129,6 +158,19 @@ pub fn aligned(heads: &[&str], rows: &[Vec<String>]) -> String {
     lines.join("\n") + "\n"
 }
 
+/// A text in lines of at most so many columns, as far as its words allow.
+pub fn wrapped(text: &str, width: usize) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in text.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if line.is_empty() => line.push_str(word),
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= width => *line += &format!(" {word}"),
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -143,11 +185,8 @@ mod tests {
 
     #[test]
     fn an_absent_value_is_an_empty_field_and_a_null() {
-        let mut table = Table::new(&["a", "b"]);
-        table.push(vec![json!("x,y"), Value::Null]);
-        let mut csv = Vec::new();
-        table.write_csv(&mut csv).expect("memory");
-        assert_eq!(String::from_utf8(csv).expect("text"), "a,b\n\"x,y\",\n");
+        let table = Table::of(&["x,y"], &[("a", &|text| json!(text)), ("b", &|_| Value::Null)]);
+        assert_eq!(String::from_utf8(table.csv().expect("memory")).expect("text"), "a,b\n\"x,y\",\n");
         assert_eq!(table.to_json(), json!({"schema_version": 1, "rows": [{"a": "x,y", "b": null}]}));
     }
 }

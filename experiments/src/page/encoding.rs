@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use score::Region;
 use serde_json::{Value, json};
 
-use super::viewer::{Mapped, Viewer, World};
+use super::viewer::{Mapped, ViewedWorld, Viewer};
 use crate::output::table::{optional, rounded};
 use crate::worlds::run::Frame;
 
@@ -44,7 +44,7 @@ pub(super) fn json(viewer: &Viewer, budget: usize) -> Option<String> {
 }
 
 /// Leaves out every second moment that is not the end of a stage.
-fn thin(world: &mut World) {
+fn thin(world: &mut ViewedWorld) {
     let ends: Vec<usize> = world.stages.iter().map(|stage| stage.scans).collect();
     let mut between = 0;
     world.moments.retain(|moment| {
@@ -58,7 +58,7 @@ fn thin(world: &mut World) {
     }
 }
 
-fn world(world: &World) -> Value {
+fn world(world: &ViewedWorld) -> Value {
     let moments = world.moments.iter().map(|m| {
         let pose = [m.pose.x_m, m.pose.y_m, m.pose.theta_rad].map(rounded);
         json!({ "scans": m.scans, "time_s": rounded(m.time_s), "pose": pose })
@@ -96,7 +96,7 @@ fn world(world: &World) -> Value {
     })
 }
 
-fn mapped(world: &World, mapper: &Mapped) -> Value {
+fn mapped(world: &ViewedWorld, mapper: &Mapped) -> Value {
     let at = |frame: &Frame| world.moments.iter().position(|moment| moment.scans == frame.scans);
     let codes: Vec<Vec<u32>> = mapper
         .frames

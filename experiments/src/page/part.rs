@@ -60,7 +60,7 @@ pub struct Sheet {
 /// A cell of a [`Sheet`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Cell {
-    /// What it says.
+    /// Its text.
     pub text: String,
     /// How it is coloured.
     pub tone: Tone,
@@ -122,9 +122,8 @@ mod tests {
 
     #[test]
     fn a_table_becomes_a_sheet() {
-        let mut table = Table::new(&["mapper", "log_loss"]);
-        table.push(vec![json!("visibility"), json!(0.25)]);
-        table.push(vec![json!("prior"), Value::Null]);
+        let rows = [("visibility", Some(0.25)), ("prior", None)];
+        let table = Table::of(&rows, &[("mapper", &|row| json!(row.0)), ("log_loss", &|row| json!(row.1))]);
         let sheet = Sheet::of("Losses", &table);
         assert_eq!(sheet.heads, ["mapper", "log loss"]);
         assert_eq!(sheet.rows, [["visibility".into(), "0.25".into()], ["prior".into(), Cell::from("-")]]);

@@ -6,7 +6,7 @@ use grid::{GridSpec, Raster};
 use score::{Region, Sight, Sightings};
 use sensor::Pose;
 
-use crate::output::record::Stage;
+use crate::worlds::run::Stage;
 use crate::worlds::run::{Frame, Ground, Run, StageMap, Trial};
 
 /// Moments of a drive besides the ends of its stages: enough to see a map grow, few enough for a page.
@@ -16,12 +16,12 @@ pub const FRAMES: usize = 24;
 #[derive(Debug, Clone, Default)]
 pub struct Viewer {
     /// At least one, with names of their own.
-    pub worlds: Vec<World>,
+    pub worlds: Vec<ViewedWorld>,
 }
 
 /// One scene, one seed, every mapper.
 #[derive(Debug, Clone)]
-pub struct World {
+pub struct ViewedWorld {
     /// Name of the scene.
     pub name: String,
     /// The seed of the readings.
@@ -71,7 +71,7 @@ pub struct Mapped {
     pub name: String,
     /// Maps at moments of the world, rising. A batch mapper has them at the ends of stages only.
     pub frames: Vec<Frame>,
-    /// At the end of every stage the values of [`World::metrics`] by region, as the tables have them.
+    /// At the end of every stage the values of [`ViewedWorld::metrics`] by region, as the tables have them.
     pub scores: Vec<Vec<(String, Vec<Option<f64>>)>>,
 }
 
@@ -84,7 +84,7 @@ pub fn moments(ground: &Ground, count: usize) -> Vec<usize> {
     even.chain(ends).filter(|scan| (1..=scans).contains(scan)).collect::<BTreeSet<_>>().into_iter().collect()
 }
 
-impl World {
+impl ViewedWorld {
     /// The world of a trial that still has its scans, and frames at `scans` as [`moments`] gives them.
     pub fn new(ground: &Ground, trial: &Trial, stages: &[Stage], scans: &[usize]) -> Self {
         Self {

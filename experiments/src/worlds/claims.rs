@@ -31,6 +31,23 @@ pub fn all_hold(claims: &[Claim]) -> Result<(), Failure> {
     }
 }
 
+impl Claim {
+    /// Whether it holds, in a word.
+    pub fn verdict(&self) -> &'static str {
+        if self.holds { "holds" } else { "FAILS" }
+    }
+}
+
+/// The claims for reading below a table: two lines each, after a blank one.
+pub fn below(claims: &[Claim]) -> String {
+    claims.iter().map(|c| format!("\n{}  {}:\n       {}", c.verdict(), c.claim, c.measured)).collect()
+}
+
+/// The claims for reading, a line each.
+pub fn lines(claims: &[Claim]) -> String {
+    claims.iter().map(|c| format!("{}  {}: {}\n", c.verdict(), c.claim, c.measured)).collect()
+}
+
 /// The claims that a `run.json` holds.
 pub fn of_record(record: &Value) -> Vec<Claim> {
     let text = |claim: &Value, key: &str| claim[key].as_str().unwrap_or_default().to_owned();

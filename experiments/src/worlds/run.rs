@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use scene::{Drive, Scene, SimulatedScan, Simulation, World};
 use score::{Metric, Region, Retention, Scorer, Sight, Sightings, log_loss};
 use sensor::{Scan, Stereo};
+use serde::Serialize;
 
 use crate::failure::Failure;
 
@@ -70,6 +71,17 @@ pub struct Frame {
     pub occupancy: Raster<f32>,
 }
 
+/// A moment at which the maps were looked at.
+#[derive(Debug, Clone, Serialize)]
+pub struct Stage {
+    /// Short name.
+    pub name: String,
+    /// What figures call it.
+    pub label: String,
+    /// After so many scans.
+    pub scans: usize,
+}
+
 /// A map at the end of a stage, with its scores.
 pub struct StageMap {
     /// Occupancy, 0 to 1.
@@ -106,6 +118,14 @@ impl Ground {
     pub fn new(scene: Scene, prior: f64) -> Result<Self, Failure> {
         let drive = scene::drive(&scene)?;
         Ok(Self { world: World::new(&scene), truth: scene::truth(&scene), drive, scene, prior })
+    }
+
+    /// The moments of a trial at which the maps were looked at.
+    pub fn stages(&self, trial: &Trial) -> Vec<Stage> {
+        let planned = self.scene.stages.iter().zip(&trial.simulation.stages);
+        planned
+            .map(|(plan, done)| Stage { name: plan.name.clone(), label: plan.label.clone(), scans: done.scans })
+            .collect()
     }
 
     /// Number of scans of one drive.
@@ -154,7 +174,7 @@ impl Ground {
         Ok(Trial { seed, simulation, seen, reached, runs: walks.into_iter().map(|walk| walk.run).collect() })
     }
 
-    /// The camera that gives noise-free readings, as nearly as a mapper can believe in it: not so sharp that a
+    /// The camera that gives noise-free readings, as nearly as a mapper can assume it: not so sharp that a
     /// wall on a grid line falls between two cells.
     fn sharp(&self) -> Stereo {
         Stereo { disparity_sigma: 0.05, correct_match: 0.99, ..self.scene.matcher.stereo }

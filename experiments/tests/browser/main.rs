@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use assert_cmd::Command;
 use driver::{Browser, DOWN, ESCAPE, LEFT, RIGHT, UP};
-use experiments::page::{self, Page, Viewer, World};
+use experiments::page::{self, Page, ViewedWorld, Viewer};
 use experiments::worlds::run::{Ground, Keep};
 use mapper::catalogue;
 use serde_json::{Value, json};
@@ -397,19 +397,19 @@ fn without_scripts_pictures_and_tables_remain() {
 /// Two scenes, and a mapper that has a map at the ends of stages only.
 fn two_worlds(results: &Results, folder: &Path) -> PathBuf {
     let ground = results.ground();
-    let moments = report::moments(&ground, report::FRAMES);
+    let moments = page::moments(&ground, page::FRAMES);
     let setup = catalogue::Setup::new(ground.scene.grid, std::sync::Arc::new(ground.scene.matcher.stereo));
     let entries: Vec<_> = ["visibility", "conventional"].iter().filter_map(|name| catalogue::find(name)).collect();
     let keep = Keep { timeline: false, frames: moments.clone() };
     let worlds = [1, 2].map(|seed| {
         let trial = ground.trial(seed, &entries, &setup, &keep, &|_, _| ()).expect("maps");
-        let stage = |s: &scene::Stage| experiments::output::record::Stage {
+        let stage = |s: &scene::Stage| experiments::worlds::run::Stage {
             name: s.name.clone(),
             label: s.name.clone(),
             scans: s.scans,
         };
         let stages: Vec<_> = trial.simulation.stages.iter().map(stage).collect();
-        let mut world = World::new(&ground, &trial, &stages, &moments);
+        let mut world = ViewedWorld::new(&ground, &trial, &stages, &moments);
         assert_eq!(world.moments.last().map(|moment| &moment.looks), Some(trial.seen.looks()));
         world.name = format!("closet <{seed}>");
         world.mappers[1].frames.retain(|frame| stages.iter().any(|stage| stage.scans == frame.scans));
@@ -417,7 +417,7 @@ fn two_worlds(results: &Results, folder: &Path) -> PathBuf {
     });
     let page = Page { title: "Two".to_owned(), viewer: Some(Viewer { worlds: worlds.to_vec() }), ..Page::default() };
     let path = folder.join("two.html");
-    fs::write(&path, report::page(&page).expect("rendered")).expect("writable");
+    fs::write(&path, page::page(&page).expect("rendered")).expect("writable");
     path
 }
 

@@ -6,5 +6,5 @@
 mod counting;
 
 fn main() -> std::process::ExitCode {
-    experiments::commands::gate::program(&[counting::COUNTING])
+    experiments::gate::program(&[counting::COUNTING])
 }

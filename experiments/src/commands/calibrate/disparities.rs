@@ -3,9 +3,10 @@
 use std::fs::File;
 use std::path::Path;
 
+use super::calibration::Calibration;
 use super::options::CalibrateOptions;
+use super::outputs;
 use super::search::{self, Parameter, Scale};
-use super::{Calibration, outputs};
 use crate::failure::Failure;
 use crate::figures;
 

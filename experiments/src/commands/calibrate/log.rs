@@ -8,9 +8,10 @@ use mapper::catalogue::Setup;
 use mapper::{Belief, Lockstep, Predictive, Prior};
 use sensor::{Laser, Scan, SensorModel, Stereo};
 
+use super::calibration::Calibration;
 use super::options::CalibrateOptions;
+use super::outputs;
 use super::search::{self, Fit, Losses, Parameter, Scale};
-use super::{Calibration, outputs};
 use crate::failure::Failure;
 
 /// What lies around the outermost poses and usual readings, m.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::{Format, MOST_THREADS, count, positive};
+use crate::output::args::{FormatOption, ThreadsOption, count, positive};
 
 /// Options of `calibrate`.
 #[derive(Debug, Args)]
@@ -37,12 +37,12 @@ pub struct CalibrateOptions {
     /// Folder for the table, the picture and the record, written whole or not at all
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Form of the table on stdout
-    #[arg(long, value_enum, default_value_t)]
-    pub format: Format,
-    /// Threads to use, all processors if not given; results do not depend on it
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = count(MOST_THREADS))]
-    pub threads: Option<u32>,
+    /// How the table is printed
+    #[command(flatten)]
+    pub print: FormatOption,
+    /// How many threads work
+    #[command(flatten)]
+    pub threads: ThreadsOption,
 }
 
 const FORMS: &str = "\

@@ -1,18 +1,18 @@
-//! What `calibrate` writes and says.
+//! What `calibrate` writes and prints.
 
 use std::fmt::Write as _;
-use std::io::{self, Write as _};
+use std::io::Write as _;
 use std::path::Path;
 
 use serde_json::json;
 
-use super::Calibration;
+use super::calibration::Calibration;
 use super::options::CalibrateOptions;
 use super::search::Found;
 use crate::failure::Failure;
 use crate::output::folder::Staging;
-use crate::output::record::versions;
-use crate::output::table::{self, Table, rounded};
+use crate::output::record::Record;
+use crate::output::table::{self, Table, rounded, wrapped};
 
 /// The name of a file without its folder.
 pub(super) fn name(path: &Path) -> String {
@@ -28,19 +28,18 @@ pub(super) fn short(value: f64) -> String {
 
 /// As printed for programs.
 pub(super) fn table(calibration: &Calibration) -> Table {
-    let mut table = Table::new(&["parameter", "value", "low", "high", "unit", "identified", "remark"]);
-    for Found { parameter, value, interval, unidentified, .. } in &calibration.fit.found {
-        table.push(vec![
-            json!(parameter.name),
-            rounded(*value),
-            rounded(interval.low),
-            rounded(interval.high),
-            json!(parameter.unit),
-            json!(unidentified.is_none()),
-            json!(unidentified.unwrap_or_default()),
-        ]);
-    }
-    table
+    Table::of(
+        &calibration.fit.found,
+        &[
+            ("parameter", &|found| json!(found.parameter.name)),
+            ("value", &|found| rounded(found.value)),
+            ("low", &|found| rounded(found.interval.low)),
+            ("high", &|found| rounded(found.interval.high)),
+            ("unit", &|found| json!(found.parameter.unit)),
+            ("identified", &|found| json!(found.unidentified.is_none())),
+            ("remark", &|found| json!(found.unidentified.unwrap_or_default())),
+        ],
+    )
 }
 
 /// The files, beside the record.
@@ -52,38 +51,36 @@ pub(super) fn write(
     options: &CalibrateOptions,
     calibration: &Calibration,
 ) -> Result<(), Failure> {
-    let csv = |staging: &mut Staging, name: &str, table: &Table| {
-        staging.write(name, |out| table.write_csv(out).map_err(io::Error::other))
-    };
-    csv(&mut staging, "calibration.csv", &table(calibration))?;
-    let mut profile = Table::new(&["parameter", "value", "loss_above_least"]);
-    for found in &calibration.fit.found {
-        for (value, more) in &found.profile {
-            profile.push(vec![json!(found.parameter.name), rounded(*value), rounded(*more)]);
-        }
+    table(calibration).save(&mut staging, "calibration.csv")?;
+    let mut profile = Vec::new();
+    for Found { parameter, profile: tried, .. } in &calibration.fit.found {
+        profile.extend(tried.iter().map(|(value, more)| (parameter.name, *value, *more)));
     }
-    csv(&mut staging, "profile.csv", &profile)?;
+    let profile = Table::of(
+        &profile,
+        &[
+            ("parameter", &|row| json!(row.0)),
+            ("value", &|row| rounded(row.1)),
+            ("loss_above_least", &|row| rounded(row.2)),
+        ],
+    );
+    profile.save(&mut staging, "profile.csv")?;
     if let Some(picture) = &calibration.picture {
         staging.write("fit.png", |out| out.write_all(picture))?;
     }
-    let record = json!({
-        "schema_version": 1,
-        "command": "calibrate",
-        "configuration": {
-            "file": name(&options.file),
-            "consistent": options.consistent,
-            "max_disparity": options.max_disparity,
-            "focal_baseline": options.focal_baseline,
-            "scans": options.scans,
-            "beams": options.beams,
-            "cell_m": options.grid,
-            "max_range_m": options.max_range,
-        },
-        "readings": calibration.readings,
-        "loss": rounded(calibration.fit.loss.mean),
-        "versions": versions(),
+    let configuration = json!({
+        "file": name(&options.file),
+        "consistent": options.consistent,
+        "max_disparity": options.max_disparity,
+        "focal_baseline": options.focal_baseline,
+        "scans": options.scans,
+        "beams": options.beams,
+        "cell_m": options.grid,
+        "max_range_m": options.max_range,
     });
-    staging.record(&record)?;
+    let loss = rounded(calibration.fit.loss.mean);
+    let parts = json!({ "configuration": configuration, "readings": calibration.readings, "loss": loss });
+    staging.record(&Record::new("calibrate", parts))?;
     staging.publish()
 }
 
@@ -91,7 +88,7 @@ pub(super) fn write(
 pub(super) fn text(calibration: &Calibration) -> String {
     let Calibration { about, measure, fit, notes, advice, .. } = calibration;
     let mut text = String::new();
-    for line in wrapped(&format!("calibration by {about}")) {
+    for line in wrapped(&format!("calibration by {about}"), 80) {
         let _ = writeln!(text, "{line}");
     }
     text.push('\n');
@@ -117,25 +114,9 @@ pub(super) fn text(calibration: &Calibration) -> String {
         |found: &Found| found.unidentified.map(|why| format!("{} is not identified: {why}.", found.parameter.name));
     let why: Vec<String> = fit.found.iter().filter_map(why).collect();
     for paragraph in why.iter().chain([&loss]).chain(notes).chain([&format!("To use it: {advice}")]) {
-        for line in wrapped(paragraph) {
+        for line in wrapped(paragraph, 80) {
             let _ = writeln!(text, "{line}");
         }
     }
     text
-}
-
-/// Lines of at most 80 characters.
-fn wrapped(text: &str) -> Vec<String> {
-    let mut lines = vec![String::new()];
-    for word in text.split(' ') {
-        let last = lines.len() - 1;
-        if lines[last].is_empty() {
-            lines[last] = word.to_owned();
-        } else if lines[last].chars().count() + 1 + word.chars().count() <= 80 {
-            lines[last] = format!("{} {word}", lines[last]);
-        } else {
-            lines.push(word.to_owned());
-        }
-    }
-    lines
 }

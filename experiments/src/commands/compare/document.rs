@@ -5,11 +5,11 @@ use std::fmt::Write as _;
 use score::Region;
 use serde_json::Value;
 
+use super::figures::CAPTIONS;
 use super::plan::Plan;
 use super::rows::Rows;
 use super::sheets::{self, ALL, OBSERVABLE, Width};
 use crate::failure::Failure;
-use crate::figures::comparison::CAPTIONS;
 use crate::page::{Cell, Page, Part, Picture, Section, Sheet, Viewer};
 use crate::worlds::claims::{self, Claim};
 

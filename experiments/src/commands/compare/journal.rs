@@ -1,21 +1,18 @@
 //! Finished worlds, kept so that a comparison that was interrupted goes on where it was.
 
 use std::fs;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use super::world::{Job, World};
+use super::world::{WorldJob, WorldScores};
 use crate::failure::Failure;
+use crate::jobs::seal::{self, State};
 use crate::output::digest;
-use crate::output::single;
 
 /// Beginning of the names of folders of finished worlds.
 const PREFIX: &str = ".finished-";
 
-/// A folder with a file per finished world, inside the output folder until that is complete. It is made
+/// A folder with a sealed file per finished world, inside the output folder until that is complete. It is made
 /// with the first world, so that a comparison that fails before leaves nothing.
-///
-/// A file is a digest of the world, a line feed, and the world as JSON.
 ///
 /// Its name holds a digest of the configuration and of the program: worlds that were mapped with
 /// other options, or by another build, are not taken for those asked for.
@@ -35,24 +32,22 @@ impl Journal {
     }
 
     /// The world of a job, if it was finished before. A file that was cut short or changed does not count.
-    pub fn read(&self, job: &Job) -> Option<World> {
-        let text = fs::read_to_string(self.file(job)).ok()?;
-        serde_json::from_str(whole(&text)?).ok().filter(|world: &World| world.job == *job)
+    pub fn read(&self, job: &WorldJob) -> Option<WorldScores> {
+        let mut line = Vec::new();
+        match seal::copy(&self.file(job), job, &mut line) {
+            Ok(State::Done { .. }) => serde_json::from_slice(&line).ok(),
+            _ => None,
+        }
     }
 
     /// Keeps a finished world: whole or not at all.
     ///
     /// # Errors
     /// Whatever the system reports, a full disk for example.
-    pub fn keep(&self, world: &World) -> Result<(), Failure> {
-        let path = self.file(&world.job);
-        let text = serde_json::to_string(world).map_err(Failure::internal)?;
-        let text = format!("{:016x}\n{text}", digest::number(text.as_bytes()));
-        let written =
-            fs::create_dir_all(&self.folder).and_then(|()| single::whole(&path, |out| out.write_all(text.as_bytes())));
-        written.map_err(|e| {
+    pub fn keep(&self, world: &WorldScores) -> Result<(), Failure> {
+        let line = serde_json::to_string(world).map_err(Failure::internal)? + "\n";
+        seal::write(&self.file(&world.job), &world.job, line.as_bytes()).inspect_err(|_| {
             let _ = fs::remove_dir(&self.folder); // refused by the system unless it is empty
-            Failure::write(&path, &e)
         })
     }
 
@@ -66,7 +61,7 @@ impl Journal {
         let folders = fs::read_dir(out).into_iter().flatten().flatten();
         for folder in folders.filter(|entry| journal(&entry.file_name().to_string_lossy()).is_some()) {
             for kept in fs::read_dir(folder.path()).into_iter().flatten().flatten().map(|entry| entry.path()) {
-                if fs::read_to_string(&kept).is_ok_and(|text| whole(&text).is_some()) {
+                if seal::is_whole(&kept) {
                     let _ = fs::remove_file(kept);
                 }
             }
@@ -74,24 +69,20 @@ impl Journal {
         }
     }
 
-    fn file(&self, job: &Job) -> PathBuf {
-        self.folder.join(format!("{}-{}-{}.json", job.family, job.condition, job.seed))
+    fn file(&self, job: &WorldJob) -> PathBuf {
+        self.folder.join(format!("{}-{}-{}.json", job.world.family, job.world.condition, job.world.seed))
     }
-}
-
-/// The world in the text of a file that is as it was written.
-fn whole(text: &str) -> Option<&str> {
-    let (sum, world) = text.split_once('\n')?;
-    (sum == format!("{:016x}", digest::number(world.as_bytes()))).then_some(world)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::commands::compare::world::{MapScores, RegionScores};
+    use crate::worlds::site::WorldId;
 
-    fn world(seed: u64) -> World {
-        let job = Job { family: "f".to_owned(), condition: "c".to_owned(), seed, batch: true };
+    fn world(seed: u64) -> WorldScores {
+        let id = WorldId { family: "f".to_owned(), condition: "c".to_owned(), cell_um: None, seed };
+        let job = WorldJob { world: id, batch: true };
         let values = vec![Some(0.1 + 0.2), None, Some(f64::MIN_POSITIVE)];
         let regions = vec![RegionScores { region: "all".to_owned(), cells: 7, values }];
         let map = MapScores {
@@ -101,7 +92,7 @@ mod tests {
             range: Vec::new(),
             looks: Vec::new(),
         };
-        World { job, maps: vec![map] }
+        WorldScores { job, maps: vec![map] }
     }
 
     #[test]
@@ -112,20 +103,12 @@ mod tests {
         journal.keep(&world(1)).expect("writable");
         assert_eq!(journal.read(&world(1).job), Some(world(1)));
         assert_eq!(journal.read(&world(2).job), None);
-        assert_eq!(journal.read(&Job { batch: false, ..world(1).job }), None, "fewer mappers ran on it");
+        assert_eq!(journal.read(&WorldJob { batch: false, ..world(1).job }), None, "fewer mappers ran on it");
         assert_eq!(Journal::open(out.path(), "two").expect("the build").read(&world(1).job), None);
 
         let kept = fs::read_to_string(journal.file(&world(1).job)).expect("kept");
-        for (wrong, why) in [
-            (kept[..kept.len() / 2].to_owned(), "cut short"),
-            (kept.replacen(":7", ":8", 1), "a number changed"),
-            (kept[17..].to_owned(), "no digest"),
-            (String::new(), "empty"),
-        ] {
-            assert_ne!(wrong, kept);
-            fs::write(journal.file(&world(1).job), wrong).expect("writable");
-            assert_eq!(journal.read(&world(1).job), None, "{why}");
-        }
+        fs::write(journal.file(&world(1).job), kept.replacen(":7", ":8", 1)).expect("writable");
+        assert_eq!(journal.read(&world(1).job), None, "a number changed");
         fs::write(journal.file(&world(1).job), &kept).expect("writable");
         let foreign = out.path().join(format!("{PREFIX}notes"));
         fs::create_dir(&foreign).expect("writable");
@@ -133,15 +116,5 @@ mod tests {
         Journal::clear(out.path());
         assert!(!journal.folder.exists());
         assert!(foreign.join("mine.txt").exists(), "a folder whose name only begins like ours");
-    }
-
-    #[test]
-    fn a_world_that_cannot_be_kept_is_an_error_and_leaves_nothing() {
-        let out = tempfile::tempdir().expect("temporary folder");
-        let journal = Journal::open(out.path(), "one").expect("the build");
-        fs::create_dir_all(journal.file(&world(1).job)).expect("writable");
-        let message = journal.keep(&world(1)).expect_err("in the way").to_string();
-        assert!(message.contains("cannot be written"), "{message}");
-        assert_eq!(fs::read_dir(&journal.folder).expect("there").count(), 1);
     }
 }

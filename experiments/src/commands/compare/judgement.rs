@@ -3,9 +3,9 @@
 use rayon::prelude::*;
 use score::{Comparison, Margin, Region, StatisticsError, Verdict, holm_table};
 
-use super::criteria::{CRITERIA, Criterion};
-use super::world::World;
+use super::world::WorldScores;
 use crate::failure::Failure;
+use crate::worlds::criteria::{CRITERIA, Criterion};
 
 /// A set of worlds that is judged together.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,9 +40,9 @@ pub struct Judgement {
 }
 
 /// The worlds as one scope and, where there are several, those of every family and every condition.
-pub fn scopes(worlds: &[World]) -> Vec<Scope> {
+pub fn scopes(worlds: &[WorldScores]) -> Vec<Scope> {
     let mut scopes = vec![Scope { name: "all".to_owned(), worlds: (0..worlds.len()).collect() }];
-    for name in [|w: &World| w.job.family.clone(), |w: &World| w.job.condition.clone()] {
+    for name in [|w: &WorldScores| w.job.world.family.clone(), |w: &WorldScores| w.job.world.condition.clone()] {
         let mut parts: Vec<Scope> = Vec::new();
         for (number, world) in worlds.iter().enumerate() {
             match parts.iter_mut().find(|part| part.name == name(world)) {
@@ -59,7 +59,12 @@ pub fn scopes(worlds: &[World]) -> Vec<Scope> {
 ///
 /// # Errors
 /// Values that are no numbers.
-pub fn judge(worlds: &[World], scopes: &[Scope], mappers: &[&str], reference: &str) -> Result<Vec<Judgement>, Failure> {
+pub fn judge(
+    worlds: &[WorldScores],
+    scopes: &[Scope],
+    mappers: &[&str],
+    reference: &str,
+) -> Result<Vec<Judgement>, Failure> {
     let rivals: Vec<&str> = mappers.iter().copied().filter(|name| *name != reference).collect();
     let tables: Vec<(&Scope, Region)> =
         scopes.iter().flat_map(|scope| Region::ALL.iter().map(move |region| (scope, *region))).collect();
@@ -70,7 +75,7 @@ pub fn judge(worlds: &[World], scopes: &[Scope], mappers: &[&str], reference: &s
 
 /// One table: a row per rival, a column per metric; one family of tests.
 fn table(
-    worlds: &[World],
+    worlds: &[WorldScores],
     scope: &Scope,
     region: &'static str,
     rivals: &[&str],
@@ -133,10 +138,11 @@ pub fn find<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::commands::compare::world::{Job, MapScores, RegionScores};
+    use crate::commands::compare::world::{MapScores, RegionScores, WorldJob};
+    use crate::worlds::site::WorldId;
 
     /// Worlds in which every metric of every region is the value given for each mapper.
-    fn worlds(values: &[[Option<f64>; 2]]) -> Vec<World> {
+    fn worlds(values: &[[Option<f64>; 2]]) -> Vec<WorldScores> {
         let map = |mapper: &str, value: Option<f64>| MapScores {
             mapper: mapper.to_owned(),
             regions: Region::ALL
@@ -149,8 +155,9 @@ mod tests {
         };
         let world = |(k, [ours, theirs]): (usize, &[Option<f64>; 2])| {
             let family = ["f", "g"][k % 2].to_owned();
-            let job = Job { family, condition: "as-believed".to_owned(), seed: k as u64, batch: true };
-            World { job, maps: vec![map("visibility", *ours), map("rival", *theirs)] }
+            let world = WorldId { family, condition: "as-believed".to_owned(), cell_um: None, seed: k as u64 };
+            let job = WorldJob { world, batch: true };
+            WorldScores { job, maps: vec![map("visibility", *ours), map("rival", *theirs)] }
         };
         values.iter().enumerate().map(world).collect()
     }

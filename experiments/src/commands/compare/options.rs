@@ -4,10 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use crate::cli::{Belief, Format, MOST_THREADS, count};
-
-/// The families of generated scenes that come with the program.
-pub const FAMILIES: &str = "scenes/clutter.toml,scenes/corridors.toml,scenes/halls.toml,scenes/two-rooms.toml";
+use crate::output::args::{Format, PriorOptions, ThreadsOption, count};
+use crate::worlds::scenes::FAMILIES;
 
 /// Options of `compare`.
 #[derive(Debug, Args)]
@@ -35,18 +33,18 @@ pub struct CompareOptions {
     /// A first impression within a minute: fewer worlds, one of each family for batch mappers, fewer repeats
     #[arg(long)]
     pub quick: bool,
-    /// What the mappers believe before the first reading
+    /// What the mappers assume before the first reading
     #[command(flatten)]
-    pub belief: Belief,
+    pub prior: PriorOptions,
     /// Folder for tables, pictures and report, written whole or not at all [default: results/compare and the set's name]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Form of the table on stdout; csv and json give all differences
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
-    /// Threads to use, all processors if not given; results do not depend on it
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = count(MOST_THREADS))]
-    pub threads: Option<u32>,
+    /// How many threads work
+    #[command(flatten)]
+    pub threads: ThreadsOption,
 }
 
 /// A set of generated worlds, see [`scene::Set`].

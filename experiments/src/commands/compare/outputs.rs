@@ -1,31 +1,27 @@
 //! The files that `compare` leaves behind.
 
-use std::collections::BTreeMap;
-use std::io::{self, Write as _};
+use std::io::Write as _;
 
 use mapper::{Prior, Reconciliation};
 use serde::Serialize;
 
+use super::findings::Findings;
 use super::plan::{Plan, REFERENCE};
 use super::rows::{self, Rows};
-use super::{Findings, document, tables};
+use super::{document, figures, forest, tables};
 use crate::failure::Failure;
-use crate::figures;
 use crate::output::folder::Staging;
 use crate::output::ledger::RECORD;
-use crate::output::record::versions;
+use crate::output::record::Record;
 use crate::output::table::Table;
 use crate::page::{self, Viewer};
 use crate::worlds::claims::Claim;
 
-/// What a comparison was made from: `run.json`.
+/// What the record of a comparison holds.
 #[derive(Debug, Serialize)]
-pub struct Record {
-    schema_version: u32,
-    command: &'static str,
+pub struct Parts {
     configuration: Configuration,
     claims: Vec<Claim>,
-    versions: BTreeMap<String, String>,
 }
 
 #[derive(Debug, Serialize)]
@@ -44,26 +40,21 @@ struct Configuration {
 }
 
 /// The record of a plan, before anything is known of its outcome.
-pub fn record(plan: &Plan) -> Record {
-    Record {
-        schema_version: 1,
-        command: "compare",
-        configuration: Configuration {
-            set: plan.set.name(),
-            families: plan.paths.iter().map(|path| path.display().to_string()).collect(),
-            conditions: plan.conditions.clone(),
-            seeds: plan.seeds,
-            batch_seeds: plan.batch_seeds,
-            mappers: plan.names(),
-            reference: REFERENCE,
-            prior: plan.belief.prior,
-            reconciliation: plan.belief.reconciliation,
-            repeats: plan.repeats.clone(),
-            repeated_scans: plan.repeated_scans,
-        },
-        claims: Vec::new(),
-        versions: versions(),
-    }
+pub fn record(plan: &Plan) -> Record<Parts> {
+    let configuration = Configuration {
+        set: plan.set.name(),
+        families: plan.paths.iter().map(|path| path.display().to_string()).collect(),
+        conditions: plan.conditions.clone(),
+        seeds: plan.seeds,
+        batch_seeds: plan.batch_seeds,
+        mappers: plan.names(),
+        reference: REFERENCE,
+        prior: plan.assumed.prior,
+        reconciliation: plan.assumed.reconciliation,
+        repeats: plan.repeats.clone(),
+        repeated_scans: plan.repeated_scans,
+    };
+    Record::new("compare", Parts { configuration, claims: Vec::new() })
 }
 
 /// The tables as their files hold them.
@@ -103,12 +94,12 @@ pub fn write(
     plan: &Plan,
     findings: &Findings,
     rows: &Rows,
-    mut record: Record,
+    mut record: Record<Parts>,
     viewer: Viewer,
 ) -> Result<(), Failure> {
     let Findings { worlds, scopes, judgements, repeated, claims } = findings;
     let names = plan.names();
-    let mut csv = |name: &str, table: Table| staging.write(name, |out| table.write_csv(out).map_err(io::Error::other));
+    let mut csv = |name: &str, table: Table| table.save(staging, name);
     csv("scores.csv", tables::scores(worlds))?;
     csv("summary.csv", tables::summary(worlds, scopes, &names))?;
     csv("differences.csv", tables::differences(judgements, REFERENCE))?;
@@ -119,10 +110,10 @@ pub fn write(
     }
     let pictures = document::pictures(|name| {
         let bytes = match name {
-            "differences.png" => figures::forest::draw(rows, &names, &["log_loss", "brier"])?,
-            "reliability.png" => figures::comparison::reliability(findings, &scopes[0], &names)?,
-            "profiles.png" => figures::comparison::profiles(findings, &scopes[0], &names)?,
-            "repeats.png" if !repeated.is_empty() => figures::comparison::repeats(rows, &names)?,
+            "differences.png" => forest::draw(rows, &names, &["log_loss", "brier"])?,
+            "reliability.png" => figures::reliability(findings, &scopes[0], &names)?,
+            "profiles.png" => figures::profiles(findings, &scopes[0], &names)?,
+            "repeats.png" if !repeated.is_empty() => figures::repeats(rows, &names)?,
             _ => return Ok(None),
         };
         staging.write(name, |out| out.write_all(&bytes))?;
@@ -130,9 +121,8 @@ pub fn write(
     })?;
     let markdown = document::markdown(plan, claims, &document::sections(plan, rows, &pictures));
     staging.write("summary.md", |out| out.write_all(markdown.as_bytes()))?;
-    record.claims.clone_from(claims);
-    let mut json = serde_json::to_value(&record).map_err(Failure::internal)?;
-    json["files"] = staging.files_and(&["report.html", RECORD]).into();
+    record.parts.claims.clone_from(claims);
+    let json = record.json(&staging.files_and(&["report.html", RECORD]))?;
     let html = page::page(&document::page(plan, rows, &json, &pictures, viewer)?)?;
     staging.write("report.html", |out| out.write_all(html.as_bytes()))?;
     staging.record(&record)

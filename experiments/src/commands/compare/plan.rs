@@ -6,11 +6,13 @@ use mapper::Reconciliation;
 use mapper::catalogue::{Entry, Kind, MAPPERS};
 use scene::{Family, Set};
 
-use super::conditions::{AS_BELIEVED, Condition, DEPARTURES};
 use super::options::{CompareOptions, Worlds};
-use super::world::{Belief, Job};
+use super::world::WorldJob;
 use crate::failure::Failure;
+use crate::worlds::condition::{AS_BELIEVED, Condition, DEPARTURES};
 use crate::worlds::mappers::entries;
+use crate::worlds::scenes::families;
+use crate::worlds::site::{Assumptions, WorldId};
 
 /// The mapper that all are compared with.
 pub const REFERENCE: &str = "visibility";
@@ -32,8 +34,8 @@ pub struct Plan {
     pub batch_seeds: u64,
     /// The mappers, the reference among them.
     pub mappers: Vec<&'static Entry>,
-    /// What they believe.
-    pub belief: Belief,
+    /// What they assume.
+    pub assumed: Assumptions,
     /// How often a scan is repeated, rising; nothing is where nothing is to be repeated.
     pub repeats: Vec<usize>,
     /// Scans of each repeated world.
@@ -83,14 +85,14 @@ impl Plan {
             seeds,
             batch_seeds,
             mappers,
-            belief: Belief { prior: options.belief.prior(), reconciliation: options.belief.reconciliation() },
+            assumed: Assumptions::of(&options.prior),
             repeats,
             repeated_scans,
         })
     }
 
     /// The worlds, a seed of every family and condition after the other.
-    pub fn jobs(&self) -> Vec<Job> {
+    pub fn jobs(&self) -> Vec<WorldJob> {
         let set = match self.set {
             Worlds::Test => Set::Test,
             Worlds::Robustness => Set::Robustness,
@@ -99,10 +101,13 @@ impl Plan {
         let mut jobs = Vec::new();
         for (number, seed) in set.seeds(self.seeds).enumerate() {
             for family in &self.families {
-                jobs.extend(self.conditions.iter().map(|condition| Job {
-                    family: family.name.clone(),
-                    condition: (*condition).to_owned(),
-                    seed,
+                jobs.extend(self.conditions.iter().map(|condition| WorldJob {
+                    world: WorldId {
+                        family: family.name.clone(),
+                        condition: (*condition).to_owned(),
+                        cell_um: None,
+                        seed,
+                    },
                     batch: (number as u64) < self.batch_seeds,
                 }));
             }
@@ -114,9 +119,9 @@ impl Plan {
     ///
     /// # Panics
     /// If the job is not of this plan.
-    pub fn family(&self, job: &Job) -> &Family {
-        let family = self.families.iter().find(|family| family.name == job.family);
-        family.unwrap_or_else(|| panic!("no family is called {}", job.family))
+    pub fn family(&self, job: &WorldJob) -> &Family {
+        let family = self.families.iter().find(|family| family.name == job.world.family);
+        family.unwrap_or_else(|| panic!("no family is called {}", job.world.family))
     }
 
     /// Names of the mappers.
@@ -166,28 +171,9 @@ impl Plan {
 
 /// Whether a mapper makes the map of `visibility` anyway: its own reference, and the variant that the options make it.
 fn maps_the_same(entry: &Entry, options: &CompareOptions) -> bool {
-    let variant = match options.belief.reconciliation() {
+    let variant = match options.prior.reconciliation() {
         Reconciliation::AllEdges => "visibility-all-edges",
         Reconciliation::Touched => "visibility-touched",
     };
     ["visibility-reference", variant].contains(&entry.name)
-}
-
-/// The families of the given files.
-///
-/// # Errors
-/// A family that cannot be read, or two of a name.
-pub fn families(paths: &[PathBuf]) -> Result<Vec<Family>, Failure> {
-    let mut families: Vec<Family> = Vec::new();
-    for path in paths {
-        let family = Family::load(path)?;
-        if families.iter().any(|other| other.name == family.name) {
-            let name = &family.name;
-            let message =
-                format!("--families: {}: a family named {name:?} is among them; name each once", path.display());
-            return Err(Failure::BadInput(message));
-        }
-        families.push(family);
-    }
-    Ok(families)
 }

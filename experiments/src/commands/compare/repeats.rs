@@ -4,9 +4,10 @@ use mapper::catalogue::{Entry, Kind};
 use scene::Family;
 use score::{Region, Scorer, Sightings};
 
-use super::world::{Belief, Job};
+use super::world::WorldJob;
 use crate::failure::Failure;
 use crate::worlds::run::look;
+use crate::worlds::site::{Assumptions, Site};
 
 /// A map after so many repeats of one scan, over what that scan could see.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,17 +37,17 @@ pub struct Repeated {
 /// do just this.
 ///
 /// # Errors
-/// As [`Job::ground`]; a mapper that gives something else than probabilities.
+/// As [`Site::of_family`]; a mapper that gives something else than probabilities.
 pub fn repeat(
-    job: &Job,
+    job: &WorldJob,
     family: &Family,
-    belief: &Belief,
+    assumed: &Assumptions,
     mappers: &[&'static Entry],
     scans: usize,
     counts: &[usize],
 ) -> Result<Vec<Repeated>, Failure> {
-    let (ground, setup) = job.ground(family, belief)?;
-    let simulation = scene::simulate(&ground.scene, &ground.world, &ground.drive, job.seed);
+    let Site { ground, setup } = Site::of_family(family, &job.world, assumed)?;
+    let simulation = scene::simulate(&ground.scene, &ground.world, &ground.drive, job.world.seed);
     let mut repeated = Vec::new();
     for number in (0..scans).map(|k| k * simulation.scans.len() / scans) {
         let simulated = &simulation.scans[number];
@@ -63,8 +64,8 @@ pub fn repeat(
                 mapper.settle();
                 let scores = scorer.scores(mapper.occupancy(), &mask)?;
                 repeated.push(Repeated {
-                    family: job.family.clone(),
-                    seed: job.seed,
+                    family: job.world.family.clone(),
+                    seed: job.world.seed,
                     scan: number,
                     mapper: entry.name,
                     repeats,

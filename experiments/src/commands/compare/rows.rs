@@ -93,7 +93,5 @@ pub fn parse<T: DeserializeOwned>(csv: &[u8]) -> Result<Vec<T>, csv::Error> {
 /// # Errors
 /// A table of another kind: a defect of ours.
 pub fn of<T: DeserializeOwned>(table: &Table) -> Result<Vec<T>, Failure> {
-    let mut csv = Vec::new();
-    table.write_csv(&mut csv).map_err(Failure::internal)?;
-    parse(&csv).map_err(Failure::internal)
+    parse(&table.csv()?).map_err(Failure::internal)
 }

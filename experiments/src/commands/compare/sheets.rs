@@ -2,10 +2,10 @@
 
 use score::Region;
 
-use super::criteria::{CRITERIA, Criterion, criterion};
 use super::plan::REFERENCE;
 use super::rows::{Difference, Repeat, Rows};
 use crate::page::{Cell, Sheet, Tone};
+use crate::worlds::criteria::{CRITERIA, Criterion, criterion};
 
 /// The region that mappers are judged by first: all that could be seen.
 pub const OBSERVABLE: &str = "observable";

@@ -7,7 +7,7 @@ use super::rows::Rows;
 use super::sheets::{self, ALL, OBSERVABLE, Width};
 use crate::output::table::aligned;
 use crate::page::Sheet;
-use crate::worlds::claims::Claim;
+use crate::worlds::claims::{self, Claim};
 
 /// Means and differences over all worlds, differences part by part, claims.
 pub fn summary(plan: &Plan, rows: &Rows, claims: &[Claim]) -> String {
@@ -24,10 +24,7 @@ pub fn summary(plan: &Plan, rows: &Rows, claims: &[Claim]) -> String {
     for sheet in shown {
         let _ = writeln!(text, "{}\n{}", sheet.caption, printed(&sheet));
     }
-    for claim in claims {
-        let _ = writeln!(text, "{}  {}: {}", if claim.holds { "holds" } else { "FAILS" }, claim.claim, claim.measured);
-    }
-    text
+    text + &claims::lines(claims)
 }
 
 /// A sheet in columns; heads of two words take two lines.

@@ -1,37 +1,30 @@
 //! One world, mapped by every mapper and scored: plain values that can be kept and read again.
 
-use std::sync::Arc;
-
 use grid::Raster;
-use mapper::catalogue::{Entry, Kind, Setup};
-use mapper::{Prior, Reconciliation};
-use scene::{Family, Variation};
+use mapper::catalogue::{Entry, Kind};
+use scene::Family;
 use score::{ErrorProfile, LOOK_EDGES, ProbabilityBin, RANGE_EDGES_M, Region, error_profile, probability_bins};
 use serde::{Deserialize, Serialize};
 
-use super::conditions::{Condition, condition};
-use super::criteria::CRITERIA;
 use crate::failure::Failure;
+use crate::worlds::criteria::CRITERIA;
 use crate::worlds::run::{Ground, Keep, Run, Trial};
+use crate::worlds::site::{Assumptions, Site, WorldId};
 
-/// Which world: a layout of a family and its readings, both of one seed, under a condition.
+/// A world to map and score.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Job {
-    /// Name of the family.
-    pub family: String,
-    /// Name of the condition.
-    pub condition: String,
-    /// Seed of layout and readings.
-    pub seed: u64,
+pub struct WorldJob {
+    /// Which world.
+    pub world: WorldId,
     /// Whether batch mappers run on it.
     pub batch: bool,
 }
 
 /// What every mapper made of a world.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct World {
+pub struct WorldScores {
     /// Which world.
-    pub job: Job,
+    pub job: WorldJob,
     /// One per mapper that ran on it, in the order asked for.
     pub maps: Vec<MapScores>,
 }
@@ -87,48 +80,24 @@ impl ErrorSum {
     }
 }
 
-/// What the mappers believe before the first reading.
-#[derive(Debug, Clone, Copy)]
-pub struct Belief {
-    /// Occupancy and continuity.
-    pub prior: Prior,
-    /// Edges on no ray.
-    pub reconciliation: Reconciliation,
-}
-
-impl Job {
-    /// Where the world is, for messages.
-    pub fn place(&self) -> String {
-        format!("{} {} seed {}", self.family, self.condition, self.seed)
-    }
-
+impl WorldJob {
     /// Those of `mappers` that run on this world.
     pub fn mappers(&self, mappers: &[&'static Entry]) -> Vec<&'static Entry> {
         mappers.iter().copied().filter(|entry| self.batch || entry.kind != Kind::Batch).collect()
     }
 
-    /// Builds the world: its ground, and what the mappers believe of it. They believe the camera of the
-    /// family's file, whatever the condition makes of it.
-    ///
-    /// # Errors
-    /// A condition that does not exist; a layout that cannot be made.
-    pub fn ground(&self, family: &Family, belief: &Belief) -> Result<(Ground, Setup), Failure> {
-        let unknown = || Failure::Internal(format!("there is no condition {:?}", self.condition));
-        let Condition { size_factor, camera, .. } = *condition(&self.condition).ok_or_else(unknown)?;
-        let mut scene = family.scene(self.seed, None, &Variation { size_factor })?;
-        let Belief { prior, reconciliation } = *belief;
-        let setup = Setup { prior, reconciliation, ..Setup::new(scene.grid, Arc::new(scene.matcher.stereo)) };
-        camera(&mut scene.matcher);
-        Ok((Ground::new(scene, belief.prior.occupancy)?, setup))
-    }
-
     /// Maps and scores the world.
     ///
     /// # Errors
-    /// As [`Job::ground`]; a mapper that gives something else than probabilities.
-    pub fn run(&self, family: &Family, belief: &Belief, mappers: &[&'static Entry]) -> Result<World, Failure> {
-        let (ground, setup) = self.ground(family, belief)?;
-        let trial = ground.trial(self.seed, &self.mappers(mappers), &setup, &Keep::default(), &|_, _| {})?;
+    /// As [`Site::of_family`]; a mapper that gives something else than probabilities.
+    pub fn run(
+        &self,
+        family: &Family,
+        assumed: &Assumptions,
+        mappers: &[&'static Entry],
+    ) -> Result<WorldScores, Failure> {
+        let Site { ground, setup } = Site::of_family(family, &self.world, assumed)?;
+        let trial = ground.trial(self.world.seed, &self.mappers(mappers), &setup, &Keep::default(), &|_, _| {})?;
         self.score(&ground, &trial)
     }
 
@@ -136,12 +105,12 @@ impl Job {
     ///
     /// # Errors
     /// A mapper that gives something else than probabilities.
-    pub fn score(&self, ground: &Ground, trial: &Trial) -> Result<World, Failure> {
+    pub fn score(&self, ground: &Ground, trial: &Trial) -> Result<WorldScores, Failure> {
         let observable = trial.seen.mask(Region::Observable);
         let looks = trial.seen.looks().map(|&looks| f64::from(looks));
         let score = |run: &Run| {
             let Some(end) = run.stages.last() else {
-                return Err(Failure::Internal(format!("{}: {} was never scored", self.place(), run.mapper)));
+                return Err(Failure::Internal(format!("{}: {} was never scored", self.world, run.mapper)));
             };
             let map = &end.occupancy;
             let profile = |covariate: &Raster<f64>, edges: &[f64]| -> Result<Vec<ErrorSum>, Failure> {
@@ -155,11 +124,11 @@ impl Job {
                 looks: profile(&looks, &LOOK_EDGES)?,
             })
         };
-        Ok(World { job: self.clone(), maps: trial.runs.iter().map(score).collect::<Result<_, _>>()? })
+        Ok(WorldScores { job: self.clone(), maps: trial.runs.iter().map(score).collect::<Result<_, _>>()? })
     }
 }
 
-impl World {
+impl WorldScores {
     /// The value of a metric, by its place among [`CRITERIA`], of a mapper in a region.
     pub fn value(&self, mapper: &str, region: &str, criterion: usize) -> Option<f64> {
         let map = self.maps.iter().find(|map| map.mapper == mapper)?;

@@ -13,11 +13,12 @@ use crate::output::ledger::RECORD;
 pub(super) fn read(options: &ConvertOptions) -> Result<Map, Failure> {
     let path = options.input.as_path();
     let map = match extension(path).as_str() {
-        "yaml" | "yml" => of_ros(ros_map::read(path).map_err(ros)?, vec![path.to_owned()], true),
+        "yaml" | "yml" => of_ros(ros_map::read(path).map_err(ros)?, vec![path.to_owned()]),
         "npy" => of_npy(path, options)?,
         "pgm" | "png" => {
             let coding = Coding { mode: options.read_as.into(), negate: false, thresholds: Thresholds::default() };
-            of_ros(ros_map::read_image(path, coding, 1.0, [0.0; 2]).map_err(ros)?, Vec::new(), false)
+            let map = ros_map::read_image(path, coding, 1.0, [0.0; 2]).map_err(ros)?;
+            Map { place: None, ..of_ros(map, Vec::new()) }
         }
         _ => {
             return Err(Failure::BadInput(format!(
@@ -29,8 +30,8 @@ pub(super) fn read(options: &ConvertOptions) -> Result<Map, Failure> {
     Ok(placed(map, options))
 }
 
-fn of_ros(map: RosMap, mut sources: Vec<std::path::PathBuf>, has_place: bool) -> Map {
-    let place = has_place.then_some((map.spec, map.yaw_rad));
+fn of_ros(map: RosMap, mut sources: Vec<std::path::PathBuf>) -> Map {
+    let place = Some((map.spec, map.yaw_rad));
     sources.push(map.image);
     Map { occupancy: map.occupancy, place, thresholds: map.coding.thresholds, sources }
 }

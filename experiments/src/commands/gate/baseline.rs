@@ -4,15 +4,15 @@ use std::fs;
 use std::io::{self, Write as _};
 use std::path::Path;
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::file::Gate;
-use super::measure::{Key, Values};
-use super::world::{MICROMETRES, World};
-use crate::commands::compare::conditions::condition;
+use super::measure::{ValueKey, Values};
 use crate::failure::Failure;
 use crate::output::single;
 use crate::output::table::{Table, optional};
+use crate::worlds::condition::condition;
+use crate::worlds::site::{MICROMETRES, WorldId};
 
 const COLUMNS: [&str; 8] = ["mapper", "metric", "region", "family", "condition", "grid", "seed", "value"];
 
@@ -61,10 +61,10 @@ pub fn read(path: &Path) -> Result<Option<Values>, Failure> {
     Ok(Some(values))
 }
 
-fn row(record: &csv::StringRecord) -> Option<(Key, Option<f64>)> {
+fn row(record: &csv::StringRecord) -> Option<(ValueKey, Option<f64>)> {
     let fields: [&str; 8] = record.iter().collect::<Vec<_>>().try_into().ok()?;
     let [mapper, metric, region, family, named, grid, seed, value] = fields;
-    let condition = condition(named)?.name;
+    let condition = condition(named)?.name.to_owned();
     let cell_um = match grid {
         "" => None,
         text => {
@@ -76,9 +76,9 @@ fn row(record: &csv::StringRecord) -> Option<(Key, Option<f64>)> {
         "" => None,
         text => Some(text.parse().ok().filter(|value: &f64| value.is_finite())?),
     };
-    let world = World { family: family.to_owned(), condition, cell_um, seed: seed.parse().ok()? };
+    let world = WorldId { family: family.to_owned(), condition, cell_um, seed: seed.parse().ok()? };
     let [mapper, metric, region] = [mapper, metric, region].map(str::to_owned);
-    Some((Key { mapper, metric, region, world }, value))
+    Some((ValueKey { mapper, metric, region, world }, value))
 }
 
 /// The file's text: sorted, a row per value.
@@ -86,15 +86,20 @@ fn row(record: &csv::StringRecord) -> Option<(Key, Option<f64>)> {
 /// # Errors
 /// None but a defect.
 pub fn text(values: &Values) -> Result<Vec<u8>, Failure> {
-    let mut table = Table::new(&COLUMNS);
-    for (Key { mapper, metric, region, world }, value) in values {
-        let [mapper, metric, region] = [mapper, metric, region].map(|text| json!(text));
-        let (family, condition, grid) = (json!(world.family), json!(world.condition), optional(world.cell_m()));
-        table.push(vec![mapper, metric, region, family, condition, grid, json!(world.seed), optional(*value)]);
-    }
-    let mut bytes = Vec::new();
-    table.write_csv(&mut bytes).map_err(Failure::internal)?;
-    Ok(bytes)
+    type Row<'a> = (&'a ValueKey, &'a Option<f64>);
+    let rows: Vec<Row> = values.iter().collect();
+    let columns: [&dyn Fn(&Row) -> Value; 8] = [
+        &|(key, _)| json!(key.mapper),
+        &|(key, _)| json!(key.metric),
+        &|(key, _)| json!(key.region),
+        &|(key, _)| json!(key.world.family),
+        &|(key, _)| json!(key.world.condition),
+        &|(key, _)| optional(key.world.cell_m()),
+        &|(key, _)| json!(key.world.seed),
+        &|(_, value)| optional(**value),
+    ];
+    let columns: Vec<_> = COLUMNS.into_iter().zip(columns).collect();
+    Table::of(&rows, &columns).csv()
 }
 
 /// Writes the baselines whole or not at all.
@@ -119,7 +124,7 @@ pub fn complete(gates: &[Gate], baseline: Option<&Values>, path: &Path) -> Resul
                 format!("{place}: is not there, and gate {name} needs it; make it with `gate --update`, and commit it");
             return Err(Failure::BadInput(message));
         };
-        let missing: Vec<Key> = gate.keys(&gate.mapper).filter(|key| !baseline.contains_key(key)).collect();
+        let missing: Vec<ValueKey> = gate.keys(&gate.mapper).filter(|key| !baseline.contains_key(key)).collect();
         if let Some(first) = missing.first() {
             return Err(Failure::BadInput(format!(
                 "{place}: gate {name}: no row of {} {} {} on {}, {} of {} are missing; add them with `gate --update --only {name}`, \

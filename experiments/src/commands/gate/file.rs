@@ -8,11 +8,12 @@ use scene::reader::{Limit, Table, Value, open, read};
 use scene::{SceneError, Set};
 use score::{FEWEST_PAIRS, Region};
 
-use super::world::{MICROMETRES, Site, World};
-use crate::commands::compare::conditions::{AS_BELIEVED, Condition, DEPARTURES};
-use crate::commands::compare::criteria::{CRITERIA, Criterion, criterion};
-use crate::commands::compare::options::FAMILIES;
+use super::source::GateSource;
+use crate::worlds::condition::{AS_BELIEVED, Condition, DEPARTURES};
+use crate::worlds::criteria::{CRITERIA, Criterion, criterion};
+use crate::worlds::scenes::FAMILIES;
 use crate::worlds::scenes::path_of;
+use crate::worlds::site::{MICROMETRES, WorldId};
 
 /// What must hold of a mapper's maps.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,7 +27,7 @@ pub struct Gate {
     /// Name of the region that maps are judged in.
     pub region: String,
     /// The worlds that are mapped.
-    pub worlds: Vec<World>,
+    pub worlds: Vec<WorldId>,
     /// What is demanded.
     pub demand: Demand,
 }
@@ -49,6 +50,26 @@ pub enum Demand {
     },
 }
 
+impl Demand {
+    /// Its key in the file.
+    pub fn key(&self) -> &'static str {
+        match self {
+            Self::AtMost(_) => "at_most",
+            Self::AtLeast(_) => "at_least",
+            Self::NotWorseThanBaselineBy(_) => "not_worse_than_baseline_by",
+            Self::BetterThan { .. } => "better_than",
+        }
+    }
+
+    /// The number that it bounds by.
+    pub fn bound(&self) -> f64 {
+        match self {
+            Self::AtMost(bound) | Self::AtLeast(bound) => *bound,
+            Self::NotWorseThanBaselineBy(by) | Self::BetterThan { by, .. } => *by,
+        }
+    }
+}
+
 impl Gate {
     /// Whether it compares with values of former maps.
     pub fn needs_baseline(&self) -> bool {
@@ -64,7 +85,7 @@ pub struct Gates {
     /// The gates in their order.
     pub gates: Vec<Gate>,
     /// The families and scenes by name.
-    pub sites: BTreeMap<String, Site>,
+    pub sites: BTreeMap<String, GateSource>,
 }
 
 const KEYS: [&str; 14] = [
@@ -144,7 +165,7 @@ pub fn parse(text: &str, file: &str, known: &[Entry]) -> Result<Gates, SceneErro
     Ok(gates)
 }
 
-fn gate(table: &Table, known: &[Entry], sites: &mut BTreeMap<String, Site>) -> Result<Gate, SceneError> {
+fn gate(table: &Table, known: &[Entry], sites: &mut BTreeMap<String, GateSource>) -> Result<Gate, SceneError> {
     table.only(&KEYS)?;
     let name = table.name("name")?;
     let mappers: Vec<&str> = known.iter().map(|entry| entry.name).collect();
@@ -165,7 +186,7 @@ fn gate(table: &Table, known: &[Entry], sites: &mut BTreeMap<String, Site>) -> R
 }
 
 /// The worlds of a gate, and the regions that all of them have.
-fn worlds(table: &Table, sites: &mut BTreeMap<String, Site>) -> Result<(Vec<World>, Vec<String>), SceneError> {
+fn worlds(table: &Table, sites: &mut BTreeMap<String, GateSource>) -> Result<(Vec<WorldId>, Vec<String>), SceneError> {
     let count = table.optional_whole("seeds", &MOST_SEEDS)?.unwrap_or(SEEDS);
     let cell_um = table.optional_number("grid", &GRID)?.map(|cell_m| (cell_m * MICROMETRES).round() as u32);
     let sets = ["test", "robustness", "tuning"];
@@ -181,10 +202,10 @@ fn worlds(table: &Table, sites: &mut BTreeMap<String, Site>) -> Result<(Vec<Worl
             return Err(refuse(table, key, "left out beside `scene`", "a scene has neither layouts nor sets"));
         }
         let (text, value) = one_text(table, "scene")?;
-        names.push(site(table, "scene", (text, Some(value)), sites, Site::scene)?);
+        names.push(site(table, "scene", (text, Some(value)), sites, GateSource::scene)?);
     } else {
         for (family, value) in families(table)? {
-            let name = site(table, "families", (&family, value), sites, Site::family)?;
+            let name = site(table, "families", (&family, value), sites, GateSource::family)?;
             if names.contains(&name) {
                 return Err(refuse(table, "families", "different families", "name each once"));
             }
@@ -194,7 +215,7 @@ fn worlds(table: &Table, sites: &mut BTreeMap<String, Site>) -> Result<(Vec<Worl
     let mut worlds = Vec::new();
     for family in &names {
         for condition in conditions {
-            let world = |seed| World { family: family.clone(), condition: condition.name, cell_um, seed };
+            let world = |seed| WorldId { family: family.clone(), condition: condition.name.to_owned(), cell_um, seed };
             worlds.extend(set.seeds(count).map(world));
         }
     }
@@ -229,8 +250,8 @@ fn site(
     table: &Table,
     key: &str,
     (text, value): Text,
-    sites: &mut BTreeMap<String, Site>,
-    load: fn(std::path::PathBuf) -> Result<Site, SceneError>,
+    sites: &mut BTreeMap<String, GateSource>,
+    load: fn(std::path::PathBuf) -> Result<GateSource, SceneError>,
 ) -> Result<String, SceneError> {
     let path = path_of(text);
     if let Some(site) = sites.values().find(|site| site.path == path) {

@@ -6,16 +6,16 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use mapper::catalogue::{Entry, Setup};
 
 use super::file::{Demand, Gate, Gates};
-use super::world::World;
 use crate::failure::{Failure, panic_text};
 use crate::jobs::engine;
 use crate::jobs::progress::Count;
 use crate::output::table::rounded;
 use crate::worlds::run::{Ground, Keep};
+use crate::worlds::site::{Site, WorldId};
 
 /// What a value is of. Its order is that of the baselines.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Key {
+pub struct ValueKey {
     /// Name of the mapper.
     pub mapper: String,
     /// Name of the metric.
@@ -23,11 +23,11 @@ pub struct Key {
     /// Name of the region.
     pub region: String,
     /// The world.
-    pub world: World,
+    pub world: WorldId,
 }
 
 /// Values of metrics, rounded as in every file; none where a metric is not defined.
-pub type Values = BTreeMap<Key, Option<f64>>;
+pub type Values = BTreeMap<ValueKey, Option<f64>>;
 
 /// What was measured.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -35,7 +35,7 @@ pub struct Measured {
     /// The values ...
     pub values: Values,
     /// ... and of mappers that failed on a world, why.
-    pub failures: BTreeMap<(String, World), String>,
+    pub failures: BTreeMap<(String, WorldId), String>,
 }
 
 /// A metric's name and a region's.
@@ -43,8 +43,8 @@ type Wanted = BTreeSet<(String, String)>;
 
 impl Gate {
     /// The values of a mapper that the gate looks at, world by world.
-    pub fn keys<'a>(&'a self, mapper: &'a str) -> impl Iterator<Item = Key> + 'a {
-        self.worlds.iter().map(move |world| Key {
+    pub fn keys<'a>(&'a self, mapper: &'a str) -> impl Iterator<Item = ValueKey> + 'a {
+        self.worlds.iter().map(move |world| ValueKey {
             mapper: mapper.to_owned(),
             metric: self.criterion.metric.to_owned(),
             region: self.region.clone(),
@@ -62,11 +62,11 @@ impl Gate {
 }
 
 /// The worlds that gates need, and what of them: values by mapper.
-pub fn plan(gates: &[Gate]) -> BTreeMap<World, BTreeMap<String, Wanted>> {
-    let mut plan: BTreeMap<World, BTreeMap<String, Wanted>> = BTreeMap::new();
+pub fn plan(gates: &[Gate]) -> BTreeMap<WorldId, BTreeMap<String, Wanted>> {
+    let mut plan: BTreeMap<WorldId, BTreeMap<String, Wanted>> = BTreeMap::new();
     for gate in gates {
         for mapper in gate.mappers() {
-            for Key { mapper, metric, region, world } in gate.keys(mapper) {
+            for ValueKey { mapper, metric, region, world } in gate.keys(mapper) {
                 plan.entry(world).or_default().entry(mapper).or_default().insert((metric, region));
             }
         }
@@ -83,12 +83,12 @@ pub fn plan(gates: &[Gate]) -> BTreeMap<World, BTreeMap<String, Wanted>> {
 /// # Errors
 /// A world that cannot be made; a mapper that is not among the known ones.
 pub fn measure(gates: &Gates, known: &[Entry], stream: u32, threads: usize) -> Result<Measured, Failure> {
-    let jobs: Vec<(World, BTreeMap<String, Wanted>)> = plan(&gates.gates).into_iter().collect();
+    let jobs: Vec<(WorldId, BTreeMap<String, Wanted>)> = plan(&gates.gates).into_iter().collect();
     let progress = Count::worlds(jobs.len());
     let parts = engine::each(&jobs, threads, |(world, wanted)| {
-        let site = gates.sites.get(&world.family);
-        let site = site.ok_or_else(|| Failure::Internal(format!("there is no family {:?}", world.family)))?;
-        let (ground, setup) = site.ground(world)?;
+        let source = gates.sites.get(&world.family);
+        let source = source.ok_or_else(|| Failure::Internal(format!("there is no family {:?}", world.family)))?;
+        let Site { ground, setup } = source.site(world)?;
         let mut part = Measured::default();
         for (mapper, wanted) in wanted {
             let entry = known.iter().find(|entry| entry.name == mapper);
@@ -115,7 +115,7 @@ fn values(
     ground: &Ground,
     setup: &Setup,
     entry: &Entry,
-    world: &World,
+    world: &WorldId,
     stream: u32,
     wanted: &Wanted,
 ) -> Result<Values, String> {
@@ -130,8 +130,12 @@ fn values(
     let last = trial.runs.first().map_or(0, |run| run.stages.len().saturating_sub(1));
     let value = |(metric, region): &(String, String)| {
         let value = trial.metric(entry.name, last, region, metric).and_then(|metric| metric.value);
-        let key =
-            Key { mapper: entry.name.to_owned(), metric: metric.clone(), region: region.clone(), world: world.clone() };
+        let key = ValueKey {
+            mapper: entry.name.to_owned(),
+            metric: metric.clone(),
+            region: region.clone(),
+            world: world.clone(),
+        };
         (key, value.and_then(|value| rounded(value).as_f64()))
     };
     Ok(wanted.iter().map(value).collect())

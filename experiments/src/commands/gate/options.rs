@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Parser;
 
-use crate::cli::{Format, MOST_THREADS, count};
+use crate::output::args::{FormatOption, ThreadsOption};
 
 /// Checks maps against bounds and baselines, for the build to fail when they get worse
 #[derive(Debug, Clone, Parser)]
@@ -34,12 +34,12 @@ pub struct GateOptions {
     /// Also write the outcome in Markdown; appended if FILE is the one that GITHUB_STEP_SUMMARY names
     #[arg(long, value_name = "FILE")]
     pub summary: Option<PathBuf>,
-    /// Form of the table on stdout
-    #[arg(long, value_enum, default_value_t)]
-    pub format: Format,
-    /// Threads to use, all processors if not given; results do not depend on it
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = count(MOST_THREADS))]
-    pub threads: Option<u32>,
+    /// How the table is printed
+    #[command(flatten)]
+    pub print: FormatOption,
+    /// How many threads work
+    #[command(flatten)]
+    pub threads: ThreadsOption,
 }
 
 impl GateOptions {
@@ -51,7 +51,7 @@ impl GateOptions {
     /// The number of threads.
     pub(super) fn threads(&self) -> usize {
         let all = || std::thread::available_parallelism().map_or(1, usize::from);
-        self.threads.map_or_else(all, |threads| threads as usize)
+        self.threads.count.map_or_else(all, |threads| threads as usize)
     }
 }
 

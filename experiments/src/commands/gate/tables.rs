@@ -2,67 +2,39 @@
 
 use std::fmt::Write as _;
 
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::file::{Demand, Gate};
 use super::verdict::{Outcome, Verdict};
-use crate::output::table::{Table, aligned, optional, rounded};
-
-const COLUMNS: [&str; 17] = [
-    "gate",
-    "mapper",
-    "metric",
-    "unit",
-    "region",
-    "worlds",
-    "value",
-    "demand",
-    "bound",
-    "reference",
-    "reference_value",
-    "difference",
-    "low",
-    "high",
-    "defined",
-    "verdict",
-    "cause",
-];
+use crate::output::table::{Table, aligned, optional, rounded, wrapped};
 
 /// Columns of a terminal.
 const WIDTH: usize = 80;
 
 /// Every gate: a row each.
 pub fn table(outcomes: &[Outcome]) -> Table {
-    let mut table = Table::new(&COLUMNS);
-    for outcome in outcomes {
-        let Gate { name, mapper, criterion, region, worlds, demand } = &outcome.gate;
-        let (kind, bound) = match demand {
-            Demand::AtMost(bound) => ("at_most", bound),
-            Demand::AtLeast(bound) => ("at_least", bound),
-            Demand::NotWorseThanBaselineBy(margin) => ("not_worse_than_baseline_by", margin),
-            Demand::BetterThan { by, .. } => ("better_than", by),
-        };
-        table.push(vec![
-            json!(name),
-            json!(mapper),
-            json!(criterion.metric),
-            json!(criterion.unit),
-            json!(region),
-            json!(worlds.len()),
-            optional(outcome.value),
-            json!(kind),
-            rounded(*bound),
-            outcome.against().map_or(Value::Null, |against| json!(against)),
-            optional(outcome.reference),
-            optional(outcome.difference),
-            optional(outcome.interval.map(|interval| interval.low)),
-            optional(outcome.interval.map(|interval| interval.high)),
-            json!(outcome.defined),
-            json!(outcome.verdict.word()),
-            outcome.cause.as_ref().map_or(Value::Null, |cause| json!(cause)),
-        ]);
-    }
-    table
+    Table::of(
+        outcomes,
+        &[
+            ("gate", &|o| json!(o.gate.name)),
+            ("mapper", &|o| json!(o.gate.mapper)),
+            ("metric", &|o| json!(o.gate.criterion.metric)),
+            ("unit", &|o| json!(o.gate.criterion.unit)),
+            ("region", &|o| json!(o.gate.region)),
+            ("worlds", &|o| json!(o.gate.worlds.len())),
+            ("value", &|o| optional(o.value)),
+            ("demand", &|o| json!(o.gate.demand.key())),
+            ("bound", &|o| rounded(o.gate.demand.bound())),
+            ("reference", &|o| json!(o.against())),
+            ("reference_value", &|o| optional(o.reference)),
+            ("difference", &|o| optional(o.difference)),
+            ("low", &|o| optional(o.interval.map(|interval| interval.low))),
+            ("high", &|o| optional(o.interval.map(|interval| interval.high))),
+            ("defined", &|o| json!(o.defined)),
+            ("verdict", &|o| json!(o.verdict.word())),
+            ("cause", &|o| json!(o.cause)),
+        ],
+    )
 }
 
 /// The table for reading, within eighty columns, and those that fail once more with all that is known of them.
@@ -81,14 +53,14 @@ pub fn text(outcomes: &[Outcome], heading: &str) -> String {
     let outgrown: Vec<&str> = outcomes.iter().filter(|o| o.outgrown()).map(|o| o.gate.name.as_str()).collect();
     // Not beside gates that fail: a change that trades one thing for another is no progress to hold.
     if !outgrown.is_empty() && outcomes.iter().all(|outcome| outcome.verdict == Verdict::Pass) {
-        let names = wrapped(&outgrown.join(", "), WIDTH - 2, "  ");
+        let names = wrapped(&outgrown.join(", "), WIDTH - 2).join("\n  ");
         let _ =
             write!(text, "\nBetter than the baseline by more than the margin; `gate --update` holds it:\n  {names}\n");
     }
     for outcome in outcomes.iter().filter(|outcome| outcome.verdict != Verdict::Pass) {
         let _ = write!(text, "\n{} {}\n", outcome.verdict.word(), outcome.gate.name);
         for line in account(outcome) {
-            let _ = writeln!(text, "     {}", wrapped(&line, WIDTH - 5, "     "));
+            let _ = writeln!(text, "     {}", wrapped(&line, WIDTH - 5).join("\n     "));
         }
     }
     text
@@ -184,20 +156,4 @@ fn higher(gate: &Gate) -> bool {
 /// One more than tables of scores have: differences are small.
 fn decimals(gate: &Gate) -> usize {
     (gate.criterion.decimals + 1).min(4)
-}
-
-/// The text in lines of at most so many columns, as far as its words allow.
-fn wrapped(text: &str, width: usize, indent: &str) -> String {
-    let mut lines = vec![String::new()];
-    for word in text.split_whitespace() {
-        let full = |line: &String| !line.is_empty() && line.chars().count() + 1 + word.chars().count() > width;
-        if lines.last().is_some_and(full) {
-            lines.push(String::new());
-        }
-        if let Some(line) = lines.last_mut() {
-            *line += if line.is_empty() { "" } else { " " };
-            *line += word;
-        }
-    }
-    lines.join(&format!("\n{indent}"))
 }

@@ -1,13 +1,10 @@
 //! New baselines for old, and what changes with them.
 
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::file::{Demand, Gate};
-use super::measure::{Key, Values};
+use super::measure::{ValueKey, Values};
 use crate::output::table::{Table, aligned, optional};
-
-const COLUMNS: [&str; 12] =
-    ["gate", "mapper", "metric", "unit", "region", "old", "new", "change", "changed", "added", "worlds", "word"];
 
 /// How the baseline of a gate changes.
 struct Change<'a> {
@@ -52,13 +49,14 @@ pub fn merged(all: &[Gate], old: &Values, new: Values) -> Values {
 fn changes<'a>(gates: &'a [Gate], old: &Values, new: &Values) -> Vec<Change<'a>> {
     let gates = gates.iter().filter(|gate| matches!(gate.demand, Demand::NotWorseThanBaselineBy(_)));
     let change = |gate: &'a Gate| {
-        let keys: Vec<Key> = gate.keys(&gate.mapper).collect();
+        let keys: Vec<ValueKey> = gate.keys(&gate.mapper).collect();
         let mean = |values: &Values| {
             let values: Vec<f64> = keys.iter().filter_map(|key| values.get(key).copied().flatten()).collect();
             (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
         };
         let bits = |value: Option<f64>| value.map(f64::to_bits);
-        let another = |key: &&Key| old.get(key).zip(new.get(key)).is_some_and(|(old, new)| bits(*old) != bits(*new));
+        let another =
+            |key: &&ValueKey| old.get(key).zip(new.get(key)).is_some_and(|(old, new)| bits(*old) != bits(*new));
         Change {
             gate,
             means: [mean(old), mean(new)],
@@ -71,25 +69,23 @@ fn changes<'a>(gates: &'a [Gate], old: &Values, new: &Values) -> Vec<Change<'a>>
 
 /// What changes, a row per gate with a baseline.
 pub fn table(gates: &[Gate], old: &Values, new: &Values) -> Table {
-    let mut table = Table::new(&COLUMNS);
-    for change in changes(gates, old, new) {
-        let Gate { name, mapper, criterion, region, worlds, .. } = change.gate;
-        table.push(vec![
-            json!(name),
-            json!(mapper),
-            json!(criterion.metric),
-            json!(criterion.unit),
-            json!(region),
-            optional(change.means[0]),
-            optional(change.means[1]),
-            optional(change.difference()),
-            json!(change.changed),
-            json!(change.added),
-            json!(worlds.len()),
-            Value::from(change.word()),
-        ]);
-    }
-    table
+    Table::of(
+        &changes(gates, old, new),
+        &[
+            ("gate", &|c| json!(c.gate.name)),
+            ("mapper", &|c| json!(c.gate.mapper)),
+            ("metric", &|c| json!(c.gate.criterion.metric)),
+            ("unit", &|c| json!(c.gate.criterion.unit)),
+            ("region", &|c| json!(c.gate.region)),
+            ("old", &|c| optional(c.means[0])),
+            ("new", &|c| optional(c.means[1])),
+            ("change", &|c| optional(c.difference())),
+            ("changed", &|c| json!(c.changed)),
+            ("added", &|c| json!(c.added)),
+            ("worlds", &|c| json!(c.gate.worlds.len())),
+            ("word", &|c| json!(c.word())),
+        ],
+    )
 }
 
 /// The same for reading.

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use score::{Better, Comparison, Interval};
 
 use super::file::{Demand, Gate};
-use super::measure::{Key, Measured, Values};
-use super::world::World;
+use super::measure::{Measured, ValueKey, Values};
 use crate::failure::Failure;
+use crate::worlds::site::WorldId;
 
 /// What became of a gate.
 #[derive(Debug, Clone, PartialEq)]
@@ -156,7 +156,7 @@ fn cause(gate: &Gate, measured: &Measured, ours: &[Option<f64>], theirs: Option<
         return Some("the metric has no value on any world".to_owned());
     }
     let pairs = gate.worlds.iter().zip(ours.iter().zip(theirs?));
-    let lost: Vec<&World> =
+    let lost: Vec<&WorldId> =
         pairs.filter(|(_, (ours, theirs))| ours.is_none() && theirs.is_some()).map(|(world, _)| world).collect();
     let first = lost.first()?;
     Some(format!("the metric has lost its value on {} of {} worlds, first on {first}", lost.len(), ours.len()))
@@ -165,8 +165,8 @@ fn cause(gate: &Gate, measured: &Measured, ours: &[Option<f64>], theirs: Option<
 /// The failure of a mapper that the gate needs.
 fn failure(gate: &Gate, measured: &Measured) -> Option<String> {
     gate.mappers().into_iter().find_map(|mapper| {
-        let cause = |world: &World| measured.failures.get(&(mapper.to_owned(), world.clone()));
-        let failed: Vec<(&World, &String)> = gate.worlds.iter().filter_map(|w| Some((w, cause(w)?))).collect();
+        let cause = |world: &WorldId| measured.failures.get(&(mapper.to_owned(), world.clone()));
+        let failed: Vec<(&WorldId, &String)> = gate.worlds.iter().filter_map(|w| Some((w, cause(w)?))).collect();
         let (world, cause) = failed.first()?;
         let (failed, all) = (failed.len(), gate.worlds.len());
         Some(format!("{mapper} failed on {failed} of {all} worlds, first on {world}: {cause}"))
@@ -200,7 +200,7 @@ pub fn baselines(gates: &[Gate], measured: &Measured) -> Result<Values, Failure>
         if let Some(cause) = failure(gate, measured) {
             return Err(Failure::Claim(format!("gate {}: {cause}; the baselines stay as they were", gate.name)));
         }
-        let keys: Vec<Key> = gate.keys(&gate.mapper).collect();
+        let keys: Vec<ValueKey> = gate.keys(&gate.mapper).collect();
         values.extend(keys.into_iter().map(|key| {
             let value = measured.values.get(&key).copied().flatten();
             (key, value)

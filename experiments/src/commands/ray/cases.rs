@@ -19,7 +19,7 @@ pub(super) const OBVIOUS_AT: usize = 100;
 /// How certain the obstacle of `occluded` is, in each of its cells.
 pub(super) const OBVIOUS: f64 = 0.999;
 
-/// "Unchanged" in `occluded` is less than this. The curve of `certainty.csv` says how certain the obstacle must be for it.
+/// "Unchanged" in `occluded` is less than this. The curve of `certainty.csv` shows how certain the obstacle must be for it.
 pub(super) const UNCHANGED: f64 = 0.01;
 
 /// "Does not change" in `distant` is less than this, "rises" more.

@@ -45,12 +45,15 @@ fn largest(ray: &ViewingRay, posterior: &[f64], cells: std::ops::Range<usize>) -
 
 /// The curve as a table.
 pub fn table(curve: &[Point]) -> Table {
-    let mut table =
-        Table::new(&["prior_in_front", "certainty", "largest_change_200_to_560", "largest_change_of_the_obstacle"]);
-    for point in curve {
-        table.push(vec![json!(point.in_front), json!(point.certainty), rounded(point.behind), rounded(point.obstacle)]);
-    }
-    table
+    Table::of(
+        curve,
+        &[
+            ("prior_in_front", &|point| json!(point.in_front)),
+            ("certainty", &|point| json!(point.certainty)),
+            ("largest_change_200_to_560", &|point| rounded(point.behind)),
+            ("largest_change_of_the_obstacle", &|point| rounded(point.obstacle)),
+        ],
+    )
 }
 
 /// The more certain the obstacle, the less a reading from behind it moves, down to nothing.

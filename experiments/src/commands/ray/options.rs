@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::Format;
+use crate::output::args::Format;
 
 /// Options of `ray`.
 #[derive(Debug, Args)]

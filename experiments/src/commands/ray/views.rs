@@ -15,7 +15,7 @@ const ROWS: usize = 24;
 
 /// One cell by one rule: a row of the CSV. The joint is that with the next cell.
 #[derive(Debug, Serialize)]
-struct Row {
+struct CellRow {
     mapper: &'static str,
     cell: usize,
     enter_m: f64,
@@ -44,18 +44,28 @@ pub(super) fn json(answers: &Answers) -> Result<String, Failure> {
     text.map(|text| text + "\n").map_err(Failure::internal)
 }
 
+/// How exactly numbers are written.
+#[derive(Clone, Copy)]
+pub(super) enum Digits {
+    All,
+    Six,
+}
+
 /// The answers as CSV, one row per cell and rule: in full precision, or with the six digits that committed results keep.
 ///
 /// # Errors
 /// None that a caller could cause.
-pub(super) fn csv(ray: &ViewingRay, answers: &Answers, full: bool) -> Result<Vec<u8>, Failure> {
-    let kept = |v: f64| if full { v } else { rounded(v).as_f64().unwrap_or(v) };
+pub(super) fn csv(ray: &ViewingRay, answers: &Answers, digits: Digits) -> Result<Vec<u8>, Failure> {
+    let kept = |v: f64| match digits {
+        Digits::All => v,
+        Digits::Six => rounded(v).as_f64().unwrap_or(v),
+    };
     let mut csv = csv::Writer::from_writer(Vec::new());
     for (mapper, answer) in answers.named() {
         for k in 0..ray.cells() {
             let joint = answer.joint.as_ref().and_then(|pairs| pairs.get(k));
             let entry = |i: usize| joint.map(|pair| kept(pair[i]));
-            let row = Row {
+            let row = CellRow {
                 mapper,
                 cell: k,
                 enter_m: kept(ray.enters_m(k)),

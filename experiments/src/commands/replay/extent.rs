@@ -4,9 +4,11 @@ use grid::GridSpec;
 use logs::{Report, Sensor};
 use sensor::{Scan, SensorModel};
 
-use super::MOST_CELLS;
 use super::recording::{self, Recording};
 use crate::failure::Failure;
+
+/// More cells than this are not a building but a mistake in the poses: some 20 GB with all mappers.
+const MOST_CELLS: usize = 100_000_000;
 
 /// Places on the path that are kept for the picture, at most.
 const MOST_PLACES: usize = 4096;

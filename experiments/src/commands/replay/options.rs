@@ -5,12 +5,14 @@ use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
 use logs::Sensor;
-use sensor::{Laser, Stereo};
+use sensor::{Laser, SensorModel, Stereo};
 
-use super::Shared;
-use crate::cli::{Belief, Format, MOST_THREADS, count, positive, probability};
 use crate::failure::Failure;
+use crate::output::args::{FormatOption, PriorOptions, ThreadsOption, count, positive, probability};
 use crate::output::folder;
+
+/// A sensor that mappers share.
+pub(super) type Shared = Arc<dyn SensorModel>;
 
 /// Mappers where none are named: those that a robot would run, and what knows nothing.
 const MAPPERS: &str = "visibility,conventional,log-odds-octomap,log-odds-cartographer,prior";
@@ -61,9 +63,9 @@ pub struct ReplayOptions {
     /// Share of damaged lines above which the log is refused
     #[arg(long, value_name = "P", default_value_t = 0.05, allow_negative_numbers = true, value_parser = probability)]
     pub damaged_share: f64,
-    /// What the mappers believe before the first reading
+    /// What the mappers assume before the first reading
     #[command(flatten)]
-    pub belief: Belief,
+    pub prior: PriorOptions,
     /// What the mappers know of a laser
     #[command(flatten)]
     pub laser: LaserOptions,
@@ -73,12 +75,12 @@ pub struct ReplayOptions {
     /// Folder for tables, maps, pictures and report, written whole or not at all [default: results/replay- and the log's name]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Form of the table on stdout
-    #[arg(long, value_enum, default_value_t)]
-    pub format: Format,
-    /// Threads to use, all processors if not given; results do not depend on it
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = count(MOST_THREADS))]
-    pub threads: Option<u32>,
+    /// How the table is printed
+    #[command(flatten)]
+    pub print: FormatOption,
+    /// How many threads work
+    #[command(flatten)]
+    pub threads: ThreadsOption,
 }
 
 /// What a trajectory is of.

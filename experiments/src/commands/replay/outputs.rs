@@ -1,7 +1,7 @@
-//! The files that `replay` leaves behind, and what it says in the terminal.
+//! The files that `replay` leaves behind, and what it prints.
 
 use std::fmt::Write as _;
-use std::io::{self, Write as _};
+use std::io::Write as _;
 
 use grid::Raster;
 use logs::Sensor;
@@ -9,16 +9,16 @@ use mapper::catalogue::{Entry, Setup};
 use score::SeriesMean;
 use serde_json::{Value, json};
 
-use super::Maps;
 use super::extent::Survey;
+use super::figure;
+use super::mapping::Maps;
 use super::options::{LaserOptions, ReplayOptions, StereoOptions};
-use super::predictions::{Predictions, Row};
+use super::predictions::{Prediction, Predictions};
 use crate::failure::Failure;
-use crate::figures;
 use crate::output;
 use crate::output::folder::Staging;
 use crate::output::ledger::RECORD;
-use crate::output::record::versions;
+use crate::output::record::Record;
 use crate::output::table::{self, Table};
 use crate::page::{self, Page, Part, Picture, Section, Sheet};
 
@@ -40,16 +40,16 @@ pub(super) fn names(entries: &[&Entry]) -> Vec<String> {
 /// Writes everything.
 pub(super) fn write(staging: &mut Staging, told: &Told) -> Result<(), Failure> {
     let (scores, differences) = (told.predictions.table(), told.predictions.differences());
-    csv(staging, "predictions.csv", &scores)?;
-    csv(staging, "differences.csv", &differences)?;
+    scores.save(staging, "predictions.csv")?;
+    differences.save(staging, "differences.csv")?;
     for map in &told.maps.maps {
         output::map::write(staging, map.mapper, &map.occupancy, &told.maps.seen)?;
     }
     let drawn: Vec<(&str, &Raster<f64>)> =
         told.maps.maps.iter().map(|map| (map.mapper, &map.occupancy)).filter(|(name, _)| *name != "prior").collect();
-    let bytes = figures::replay::draw(&drawn, &told.maps.seen, told.setup.prior.marginal(), &told.survey.path)?;
+    let bytes = figure::draw(&drawn, &told.maps.seen, told.setup.prior.marginal(), &told.survey.path)?;
     staging.write("maps.png", |out| out.write_all(&bytes))?;
-    let picture = Picture { name: "maps.png".to_owned(), caption: figures::replay::CAPTION.to_owned(), bytes };
+    let picture = Picture { name: "maps.png".to_owned(), caption: figure::CAPTION.to_owned(), bytes };
     let configuration = configuration(told);
     let files = staging.files_and(&["report.html", RECORD]);
     let page = Page {
@@ -75,18 +75,8 @@ pub(super) fn write(staging: &mut Staging, told: &Told) -> Result<(), Failure> {
     };
     let html = page::page(&page)?;
     staging.write("report.html", |out| out.write_all(html.as_bytes()))?;
-    let record = json!({
-        "schema_version": 1,
-        "command": "replay",
-        "configuration": configuration,
-        "grid": told.setup.grid,
-        "versions": versions(),
-    });
-    staging.record(&record)
-}
-
-fn csv(staging: &mut Staging, name: &str, table: &Table) -> Result<(), Failure> {
-    staging.write(name, |out| table.write_csv(out).map_err(io::Error::other))
+    let parts = json!({ "configuration": configuration, "grid": told.setup.grid });
+    staging.record(&Record::new("replay", parts))
 }
 
 fn section(heading: &str, lead: &str, parts: Vec<Part>) -> Section {
@@ -123,29 +113,24 @@ fn facts(told: &Told) -> String {
 
 fn counts(told: &Told) -> Table {
     let report = &told.survey.report;
-    let mut table = Table::new(&["what", "number"]);
-    let mut row = |what: &str, number: u64| table.push(vec![json!(what), json!(number)]);
-    row("lines", report.lines);
-    row("scans", report.scans);
-    row("scans in use", told.survey.kept);
-    row("beams", report.beams);
-    row("beams without echo", report.no_returns);
-    row("beams that say nothing", report.unusable);
-    row("damaged lines", report.damaged);
-    for (name, number) in &report.skipped {
-        row(&format!("messages {name}, skipped"), *number);
-    }
-    for (what, number) in [
+    let mut rows = vec![
+        ("lines".to_owned(), report.lines),
+        ("scans".to_owned(), report.scans),
+        ("scans in use".to_owned(), told.survey.kept),
+        ("beams".to_owned(), report.beams),
+        ("beams without echo".to_owned(), report.no_returns),
+        ("beams that say nothing".to_owned(), report.unusable),
+        ("damaged lines".to_owned(), report.damaged),
+    ];
+    rows.extend(report.skipped.iter().map(|(name, number)| (format!("messages {name}, skipped"), *number)));
+    let others = [
         ("scans outside the time window", report.outside_window),
         ("scans outside the trajectory", report.outside_trajectory),
         ("scans left out by --every, --least-move, --least-turn", report.thinned),
         ("steps back in time", report.steps_back),
-    ] {
-        if number > 0 {
-            row(what, number);
-        }
-    }
-    table
+    ];
+    rows.extend(others.into_iter().filter(|(_, number)| *number > 0).map(|(what, number)| (what.to_owned(), number)));
+    Table::of(&rows, &[("what", &|row| json!(row.0)), ("number", &|row| json!(row.1))])
 }
 
 /// What the maps were made from.
@@ -203,8 +188,8 @@ pub(super) fn text(told: &Told) -> String {
     }
     let baseline = &predictions.rows[predictions.baseline].name;
     let ends = |interval: score::Interval| format!("{:.3} .. {:.3}", interval.low, interval.high);
-    let loss = |row: &Row| vec![row.name.clone(), format!("{:.3}", row.loss.mean), ends(row.loss.interval)];
-    let difference = |row: &Row| {
+    let loss = |row: &Prediction| vec![row.name.clone(), format!("{:.3}", row.loss.mean), ends(row.loss.interval)];
+    let difference = |row: &Prediction| {
         let SeriesMean { mean, interval } = row.difference;
         vec![row.name.clone(), format!("{mean:+.3}"), ends(interval), row.verdict().to_owned()]
     };

@@ -3,18 +3,18 @@
 use mapper::catalogue::Setup;
 use mapper::{Belief, Predictive};
 use rayon::prelude::*;
-use score::{Interval, SeriesMean, series_mean};
+use score::{SeriesMean, series_mean};
 use sensor::Scan;
 use serde_json::json;
 
+use super::mapping::{BATCH, Maps, is_kept_back};
 use super::recording::{self, Recording};
-use super::{BATCH, Maps, is_kept_back};
 use crate::failure::Failure;
 use crate::output::table::{Table, rounded};
 
 /// The maps' scores.
 pub(super) struct Predictions {
-    pub(super) rows: Vec<Row>,
+    pub(super) rows: Vec<Prediction>,
     /// The row that the others are compared with.
     pub(super) baseline: usize,
     /// Scans kept back.
@@ -24,7 +24,7 @@ pub(super) struct Predictions {
 }
 
 /// The score of one map under one belief.
-pub(super) struct Row {
+pub(super) struct Prediction {
     pub(super) name: String,
     /// `-ln P(reading | map)`, nats per reading.
     pub(super) loss: SeriesMean,
@@ -79,7 +79,7 @@ impl Predictions {
         };
         let row = |(k, (name, _)): (usize, &(String, Belief))| {
             let (loss, difference) = (series(&|sums| sums[k])?, series(&|sums| sums[k] - sums[baseline])?);
-            Ok(Row { name: name.clone(), loss, difference })
+            Ok(Prediction { name: name.clone(), loss, difference })
         };
         let rows = beliefs.iter().enumerate().map(row).collect::<Result<_, Failure>>()?;
         let readings = scans.iter().map(|(_, readings)| readings).sum();
@@ -88,33 +88,40 @@ impl Predictions {
 
     /// As `replay` prints them.
     pub(super) fn table(&self) -> Table {
-        let mut table = Table::new(&["mapper", "readings", "predictive_log_loss", "low", "high"]);
-        for Row { name, loss, .. } in &self.rows {
-            let SeriesMean { mean, interval: Interval { low, high } } = *loss;
-            table.push(vec![json!(name), json!(self.readings), rounded(mean), rounded(low), rounded(high)]);
-        }
-        table
+        Table::of(
+            &self.rows,
+            &[
+                ("mapper", &|row| json!(row.name)),
+                ("readings", &|_| json!(self.readings)),
+                ("predictive_log_loss", &|row| rounded(row.loss.mean)),
+                ("low", &|row| rounded(row.loss.interval.low)),
+                ("high", &|row| rounded(row.loss.interval.high)),
+            ],
+        )
     }
 
     /// Every row's difference from the baseline.
     pub(super) fn differences(&self) -> Table {
-        let mut table = Table::new(&["mapper", "baseline", "difference", "low", "high", "verdict"]);
-        for row in self.others() {
-            let SeriesMean { mean, interval: Interval { low, high } } = row.difference;
-            let names = [json!(row.name), json!(self.rows[self.baseline].name)];
-            let verdict = json!(row.verdict());
-            table.push(names.into_iter().chain([rounded(mean), rounded(low), rounded(high), verdict]).collect());
-        }
-        table
+        Table::of(
+            &self.others().collect::<Vec<_>>(),
+            &[
+                ("mapper", &|row| json!(row.name)),
+                ("baseline", &|_| json!(self.rows[self.baseline].name)),
+                ("difference", &|row| rounded(row.difference.mean)),
+                ("low", &|row| rounded(row.difference.interval.low)),
+                ("high", &|row| rounded(row.difference.interval.high)),
+                ("verdict", &|row| json!(row.verdict())),
+            ],
+        )
     }
 
     /// All rows but the baseline.
-    pub(super) fn others(&self) -> impl Iterator<Item = &Row> {
+    pub(super) fn others(&self) -> impl Iterator<Item = &Prediction> {
         self.rows.iter().enumerate().filter(|(k, _)| *k != self.baseline).map(|(_, row)| row)
     }
 }
 
-impl Row {
+impl Prediction {
     /// Whether it predicts better or worse than the baseline.
     pub(super) fn verdict(&self) -> &'static str {
         match self.difference.interval {

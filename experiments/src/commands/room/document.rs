@@ -3,17 +3,16 @@
 use serde::Deserialize;
 use serde_json::Value;
 
+use super::summary;
 use crate::failure::Failure;
 use crate::figures;
-use crate::output::record::Stage;
-use crate::output::summary;
 use crate::page::{Cell, Page, Part, Picture, Section, Sheet, Viewer};
 use crate::worlds::claims;
-use crate::worlds::run::Ground;
+use crate::worlds::run::{Ground, Stage};
 
 /// A row of `metrics.csv`.
 #[derive(Debug, Deserialize)]
-pub(crate) struct Row {
+pub(crate) struct MetricRow {
     mapper: String,
     stage: String,
     region: String,
@@ -24,7 +23,7 @@ pub(crate) struct Row {
 }
 
 /// The rows of `metrics.csv`.
-pub(crate) fn rows(csv: &[u8]) -> Result<Vec<Row>, csv::Error> {
+pub(crate) fn rows(csv: &[u8]) -> Result<Vec<MetricRow>, csv::Error> {
     csv::Reader::from_reader(csv).into_deserialize().collect()
 }
 
@@ -45,7 +44,7 @@ pub(crate) fn page(
     ground: &Ground,
     stages: &[Stage],
     record: &Value,
-    metrics: &[Row],
+    metrics: &[MetricRow],
     pictures: Vec<Picture>,
     viewer: Viewer,
 ) -> Result<Page, Failure> {
@@ -102,8 +101,8 @@ fn distinct<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
 }
 
 /// One table per region at a stage: a row per mapper, a column per metric.
-fn sheets(metrics: &[Row], stage: &str) -> Vec<Sheet> {
-    let here: Vec<&Row> = metrics.iter().filter(|row| row.stage == stage).collect();
+fn sheets(metrics: &[MetricRow], stage: &str) -> Vec<Sheet> {
+    let here: Vec<&MetricRow> = metrics.iter().filter(|row| row.stage == stage).collect();
     let mut regions = distinct(here.iter().map(|row| row.region.as_str()));
     regions.sort_by_key(|region| match *region {
         "observable" => 0,
@@ -113,8 +112,8 @@ fn sheets(metrics: &[Row], stage: &str) -> Vec<Sheet> {
     regions.into_iter().map(|region| sheet(&here, region)).collect()
 }
 
-fn sheet(here: &[&Row], region: &str) -> Sheet {
-    let here: Vec<&Row> = here.iter().filter(|row| row.region == region).copied().collect();
+fn sheet(here: &[&MetricRow], region: &str) -> Sheet {
+    let here: Vec<&MetricRow> = here.iter().filter(|row| row.region == region).copied().collect();
     let columns = distinct(here.iter().map(|row| row.metric.as_str()));
     let head = |metric: &&str| {
         let unit = here.iter().find(|row| row.metric == *metric).map_or("1", |row| row.unit.as_str());

@@ -1,47 +1,57 @@
 //! The files that `room` leaves behind.
 
-use std::io::{self, Write as _};
+use std::io::Write as _;
 
 use grid::npy;
 use mapper::catalogue::Entry;
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::document;
+use super::record::Parts;
+use super::summary::over_seeds;
 use crate::failure::Failure;
 use crate::figures;
 use crate::output;
 use crate::output::folder::Staging;
 use crate::output::ledger::RECORD;
-use crate::output::record::{Record, Stage};
-use crate::output::summary::over_seeds;
+use crate::output::record::Record;
 use crate::output::table::{Table, optional, rounded};
-use crate::page::{self, Picture, Viewer, World};
-use crate::worlds::run::{Ground, RegionScore, Trial};
+use crate::page::{self, Picture, ViewedWorld, Viewer};
+use crate::worlds::run::{Ground, RegionScore, Stage, Trial};
+
+/// A row of `metrics.csv`.
+struct Scored<'a> {
+    seed: u64,
+    mapper: &'static str,
+    stage: &'a str,
+    score: &'a RegionScore,
+}
 
 /// Every metric of every seed, mapper, stage and region.
 pub(super) fn metrics(ground: &Ground, trials: &[Trial], stages: &[Stage]) -> Table {
-    let mut table = Table::new(&["scene", "seed", "mapper", "stage", "region", "metric", "value", "unit", "support"]);
+    let mut rows = Vec::new();
     for trial in trials {
         for run in &trial.runs {
             for (stage, map) in stages.iter().zip(&run.stages) {
-                for score in &map.scores {
-                    let metric = &score.metric;
-                    table.push(vec![
-                        json!(ground.scene.name),
-                        json!(trial.seed),
-                        json!(run.mapper),
-                        json!(stage.name),
-                        json!(score.region),
-                        json!(metric.name),
-                        optional(metric.value),
-                        json!(metric.unit),
-                        json!(metric.support),
-                    ]);
-                }
+                let (seed, mapper, stage) = (trial.seed, run.mapper, stage.name.as_str());
+                rows.extend(map.scores.iter().map(|score| Scored { seed, mapper, stage, score }));
             }
         }
     }
-    table
+    Table::of(
+        &rows,
+        &[
+            ("scene", &|_| json!(ground.scene.name)),
+            ("seed", &|row| json!(row.seed)),
+            ("mapper", &|row| json!(row.mapper)),
+            ("stage", &|row| json!(row.stage)),
+            ("region", &|row| json!(row.score.region)),
+            ("metric", &|row| json!(row.score.metric.name)),
+            ("value", &|row| optional(row.score.metric.value)),
+            ("unit", &|row| json!(row.score.metric.unit)),
+            ("support", &|row| json!(row.score.metric.support)),
+        ],
+    )
 }
 
 /// Every file that may come of it, beside the record.
@@ -63,15 +73,15 @@ pub(super) fn write(
     stages: &[Stage],
     frames: &[usize],
     metrics: &Table,
-    record: &Record,
+    record: &Record<Parts>,
 ) -> Result<(), Failure> {
     let first = &trials[0];
-    csv(staging, "metrics.csv", metrics)?;
+    metrics.save(staging, "metrics.csv")?;
     if trials.len() > 1 {
-        csv(staging, "summary.csv", &summary(ground, trials, stages))?;
+        summary(ground, trials, stages).save(staging, "summary.csv")?;
     }
-    csv(staging, "scans.csv", &scans(first))?;
-    csv(staging, "timeline.csv", &timeline(first))?;
+    scans(first).save(staging, "scans.csv")?;
+    timeline(first).save(staging, "timeline.csv")?;
     let truth = ground.truth.map(|cell| cell.map_or(f32::NAN, |occupied| f32::from(u8::from(occupied))));
     staging.write("truth.npy", |out| npy::write(&truth, out))?;
     for run in &first.runs {
@@ -80,12 +90,9 @@ pub(super) fn write(
         }
     }
     let pictures = pictures(staging, ground, first, stages)?;
-    let mut csv = Vec::new();
-    metrics.write_csv(&mut csv).map_err(Failure::internal)?;
-    let rows = document::rows(&csv).map_err(Failure::internal)?;
-    let mut json = serde_json::to_value(record).map_err(Failure::internal)?;
-    json["files"] = staging.files_and(&["report.html", RECORD]).into();
-    let viewer = Viewer { worlds: vec![World::new(ground, first, stages, frames)] };
+    let rows = document::rows(&metrics.csv()?).map_err(Failure::internal)?;
+    let json = record.json(&staging.files_and(&["report.html", RECORD]))?;
+    let viewer = Viewer { worlds: vec![ViewedWorld::new(ground, first, stages, frames)] };
     let html = page::page(&document::page(ground, stages, &json, &rows, pictures, viewer)?)?;
     staging.write("report.html", |out| out.write_all(html.as_bytes()))?;
     staging.record(record)
@@ -93,72 +100,69 @@ pub(super) fn write(
 
 /// Mean and spread over the seeds of every metric.
 fn summary(ground: &Ground, trials: &[Trial], stages: &[Stage]) -> Table {
-    let mut table = Table::new(&[
-        "scene",
-        "mapper",
-        "stage",
-        "region",
-        "metric",
-        "mean",
-        "standard_deviation",
-        "minimum",
-        "maximum",
-        "seeds",
-        "unit",
-    ]);
+    let mut rows = Vec::new();
     for run in &trials[0].runs {
         for (i, (stage, map)) in stages.iter().zip(&run.stages).enumerate() {
-            for RegionScore { region, metric } in &map.scores {
-                let spread = over_seeds(trials, run.mapper, i, region, metric.name);
-                let value = |of: fn(&score::Summary) -> Option<f64>| optional(spread.as_ref().and_then(of));
-                table.push(vec![
-                    json!(ground.scene.name),
-                    json!(run.mapper),
-                    json!(stage.name),
-                    json!(region),
-                    json!(metric.name),
-                    value(|s| Some(s.mean)),
-                    value(|s| s.standard_deviation),
-                    value(|s| Some(s.minimum)),
-                    value(|s| Some(s.maximum)),
-                    json!(spread.map_or(0, |s| s.count)),
-                    json!(metric.unit),
-                ]);
+            for score in &map.scores {
+                let spread = over_seeds(trials, run.mapper, i, &score.region, score.metric.name);
+                rows.push((Scored { seed: trials[0].seed, mapper: run.mapper, stage: &stage.name, score }, spread));
             }
         }
     }
-    table
-}
-
-fn csv(staging: &mut Staging, name: &str, table: &Table) -> Result<(), Failure> {
-    staging.write(name, |out| table.write_csv(out).map_err(io::Error::other))
+    Table::of(
+        &rows,
+        &[
+            ("scene", &|_| json!(ground.scene.name)),
+            ("mapper", &|(row, _)| json!(row.mapper)),
+            ("stage", &|(row, _)| json!(row.stage)),
+            ("region", &|(row, _)| json!(row.score.region)),
+            ("metric", &|(row, _)| json!(row.score.metric.name)),
+            ("mean", &|(_, spread)| optional(spread.map(|s| s.mean))),
+            ("standard_deviation", &|(_, spread)| optional(spread.and_then(|s| s.standard_deviation))),
+            ("minimum", &|(_, spread)| optional(spread.map(|s| s.minimum))),
+            ("maximum", &|(_, spread)| optional(spread.map(|s| s.maximum))),
+            ("seeds", &|(_, spread)| json!(spread.map_or(0, |s| s.count))),
+            ("unit", &|(row, _)| json!(row.score.metric.unit)),
+        ],
+    )
 }
 
 fn scans(trial: &Trial) -> Table {
-    let mut table =
-        Table::new(&["scan", "time_s", "x_m", "y_m", "theta_rad", "bearing_rad", "disparity_px", "true_range_m"]);
-    for (i, simulated) in trial.simulation.scans.iter().enumerate() {
-        let scan = &simulated.scan;
-        let pose = [scan.time_s, scan.pose.x_m, scan.pose.y_m, scan.pose.theta_rad].map(rounded);
-        for (ray, range) in scan.rays().zip(&simulated.true_ranges_m) {
-            let mut row = vec![json!(i)];
-            row.extend(pose.iter().cloned());
-            row.extend([rounded(ray.bearing_rad), optional(ray.reading), optional(*range)]);
-            table.push(row);
-        }
+    let mut rows = Vec::new();
+    for (number, simulated) in trial.simulation.scans.iter().enumerate() {
+        let rays = simulated.scan.rays().zip(&simulated.true_ranges_m);
+        rows.extend(rays.map(|(ray, range)| (number, &simulated.scan, ray, *range)));
     }
-    table
+    Table::of(
+        &rows,
+        &[
+            ("scan", &|row| json!(row.0)),
+            ("time_s", &|row| rounded(row.1.time_s)),
+            ("x_m", &|row| rounded(row.1.pose.x_m)),
+            ("y_m", &|row| rounded(row.1.pose.y_m)),
+            ("theta_rad", &|row| rounded(row.1.pose.theta_rad)),
+            ("bearing_rad", &|row| rounded(row.2.bearing_rad)),
+            ("disparity_px", &|row| optional(row.2.reading)),
+            ("true_range_m", &|row| optional(row.3)),
+        ],
+    )
 }
 
 fn timeline(trial: &Trial) -> Table {
-    let mut table = Table::new(&["mapper", "scan", "time_s", "log_loss", "retention"]);
+    let mut rows = Vec::new();
     for run in &trial.runs {
-        for (i, moment) in run.timeline.iter().enumerate() {
-            let values = [rounded(moment.time_s), optional(moment.log_loss), optional(moment.retention)];
-            table.push([json!(run.mapper), json!(i)].into_iter().chain(values).collect::<Vec<Value>>());
-        }
+        rows.extend(run.timeline.iter().enumerate().map(|(scan, moment)| (run.mapper, scan, moment)));
     }
-    table
+    Table::of(
+        &rows,
+        &[
+            ("mapper", &|row| json!(row.0)),
+            ("scan", &|row| json!(row.1)),
+            ("time_s", &|row| rounded(row.2.time_s)),
+            ("log_loss", &|row| optional(row.2.log_loss)),
+            ("retention", &|row| optional(row.2.retention)),
+        ],
+    )
 }
 
 /// Draws every picture and hands them on for the report.

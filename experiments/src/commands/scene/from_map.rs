@@ -4,14 +4,14 @@ use std::path::{Path, PathBuf};
 
 use scene::{MadeScene, MakeError, SurveyOptions};
 
-use crate::cli::FromMapOptions;
+use super::options::FromMapOptions;
 use crate::failure::Failure;
 use crate::output::single::{self, Existing, Whole};
 use crate::output::table;
 
 /// Which of the two is read.
 #[derive(Debug, Clone, Copy)]
-pub enum Kind {
+pub(super) enum Drawing {
     /// A ROS map.
     Map,
     /// A floor plan in JSON.
@@ -22,7 +22,7 @@ pub enum Kind {
 ///
 /// # Errors
 /// The first problem with the map or plan; no room to drive; a file that cannot be written, or that is the map itself.
-pub fn run(options: &FromMapOptions, kind: Kind) -> Result<(), Failure> {
+pub(super) fn run(options: &FromMapOptions, source: Drawing) -> Result<(), Failure> {
     let defaults = SurveyOptions::default();
     let mut survey = SurveyOptions {
         clearance_m: options.clearance,
@@ -40,9 +40,9 @@ pub fn run(options: &FromMapOptions, kind: Kind) -> Result<(), Failure> {
     }
     // Printed scenes are for the folder one is in.
     let out = options.out.clone().unwrap_or_else(|| PathBuf::from("scene.toml"));
-    let make = match kind {
-        Kind::Map => scene::from_map,
-        Kind::Plan => scene::from_plan,
+    let make = match source {
+        Drawing::Map => scene::from_map,
+        Drawing::Plan => scene::from_plan,
     };
     let made = make(&options.file, &out, &survey)?;
     match &options.out {

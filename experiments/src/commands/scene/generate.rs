@@ -2,7 +2,7 @@
 
 use scene::{Family, Variation};
 
-use crate::cli::GenerateOptions;
+use super::options::GenerateOptions;
 use crate::failure::Failure;
 use crate::output::single::{self, Existing, Whole};
 use crate::output::table;
@@ -11,7 +11,7 @@ use crate::output::table;
 ///
 /// # Errors
 /// The first problem with the family; a file that cannot be written, or that is the family itself.
-pub fn run(options: &GenerateOptions) -> Result<(), Failure> {
+pub(super) fn run(options: &GenerateOptions) -> Result<(), Failure> {
     let variation = Variation { size_factor: options.size_factor };
     let text = Family::load(&options.family)?.generate(options.layout, &variation)?;
     match &options.out {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::{Format, positive};
+use crate::output::args::{FormatOption, positive};
 
 /// Options of `sensor`.
 #[derive(Debug, Args)]
@@ -18,7 +18,7 @@ pub struct SensorOptions {
     /// Folder for tables, pictures and record, written whole or not at all [default: results/sensor]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Form of the table on stdout
-    #[arg(long, value_enum, default_value_t)]
-    pub format: Format,
+    /// How the table is printed
+    #[command(flatten)]
+    pub print: FormatOption,
 }

@@ -1,15 +1,15 @@
 //! The files that `sensor` leaves behind.
 
-use std::io::{self, Write as _};
+use std::io::Write as _;
 
 use serde_json::json;
 
-use super::View;
+use super::kernel::Kernel;
+use super::view::View;
+use super::{disparity, kernel};
 use crate::failure::Failure;
-use crate::figures;
-use crate::figures::kernel::Kernel;
 use crate::output::folder::Staging;
-use crate::output::record::versions;
+use crate::output::record::Record;
 use crate::output::table::{Table, rounded};
 use crate::worlds::claims::Claim;
 
@@ -26,52 +26,50 @@ impl View {
         let curve: Vec<(f64, f64)> =
             (0..=DISPARITIES).map(|i| (at(i), self.density(at(i), self.range_m, self.range_m))).collect();
         let floor = (1.0 - self.stereo.correct_match) / d;
-        let mut density = Table::new(&["disparity_px", "density_per_px", "correct_per_px", "false_per_px"]);
-        for &(o, l) in &curve {
-            density.push([o, l, l - floor, floor].map(rounded).to_vec());
-        }
-        staging.write("density.csv", |out| density.write_csv(out).map_err(io::Error::other))?;
+        let density = Table::of(
+            &curve,
+            &[
+                ("disparity_px", &|(o, _)| rounded(*o)),
+                ("density_per_px", &|(_, l)| rounded(*l)),
+                ("correct_per_px", &|(_, l)| rounded(l - floor)),
+                ("false_per_px", &|_| rounded(floor)),
+            ],
+        );
+        density.save(staging, "density.csv")?;
 
         let cells = self.cells();
-        let mut kernel = Table::new(&["range_m", "disparity_px", "density_per_px"]);
         // Every fifth disparity and at most sixty cells: enough to draw again, few enough to keep.
-        for &(enter, exit) in cells.iter().step_by(cells.len().div_ceil(60)) {
-            for i in (0..=DISPARITIES).step_by(5) {
-                kernel.push([0.5 * (enter + exit), at(i), self.density(at(i), enter, exit)].map(rounded).to_vec());
-            }
-        }
-        staging.write("kernel.csv", |out| kernel.write_csv(out).map_err(io::Error::other))?;
+        let some = cells.iter().step_by(cells.len().div_ceil(60));
+        let rows: Vec<_> = some.flat_map(|cell| (0..=DISPARITIES).step_by(5).map(move |i| (*cell, at(i)))).collect();
+        let table = Table::of(
+            &rows,
+            &[
+                ("range_m", &|((enter, exit), _)| rounded(0.5 * (enter + exit))),
+                ("disparity_px", &|(_, disparity)| rounded(*disparity)),
+                ("density_per_px", &|((enter, exit), disparity)| rounded(self.density(*disparity, *enter, *exit))),
+            ],
+        );
+        table.save(staging, "kernel.csv")?;
 
         let title = format!(
             "Obstacle at {} m, true disparity {} px",
             rounded(self.range_m),
             rounded(self.stereo.disparity(self.range_m, 0.0))
         );
-        let picture = figures::disparity::draw(&title, d, &curve)?;
+        let picture = disparity::draw(&title, d, &curve)?;
         staging.write("density.png", |out| out.write_all(&picture))?;
         let middle = |i: usize| (i as f64 + 0.5) * d / DISPARITIES as f64;
         let row = |i: usize| cells.iter().map(|&(enter, exit)| self.density(middle(i), enter, exit)).collect();
         let far_m = (self.far_m() / self.cell_m).ceil().max(1.0) * self.cell_m;
         let picture = Kernel { far_m, max_disparity: d, density: (0..DISPARITIES).map(row).collect() };
-        let picture =
-            figures::kernel::draw("P(o | F): density of the reading if the first obstacle is in a cell", &picture)?;
+        let picture = kernel::draw("P(o | F): density of the reading if the first obstacle is in a cell", &picture)?;
         staging.write("kernel.png", |out| out.write_all(&picture))?;
-        self.record(staging, scene, claims)
-    }
-
-    fn record(&self, staging: &mut Staging, scene: &str, claims: &[Claim]) -> Result<(), Failure> {
-        let record = json!({
-            "schema_version": 1,
-            "command": "sensor",
-            "configuration": {
-                "scene": scene,
-                "range_m": rounded(self.range_m),
-                "cell_m": self.cell_m,
-                "sensor": self.stereo,
-            },
-            "claims": claims,
-            "versions": versions(),
+        let configuration = json!({
+            "scene": scene,
+            "range_m": rounded(self.range_m),
+            "cell_m": self.cell_m,
+            "sensor": self.stereo,
         });
-        staging.record(&record)
+        staging.record(&Record::new("sensor", json!({ "configuration": configuration, "claims": claims })))
     }
 }

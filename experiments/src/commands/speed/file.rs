@@ -1,123 +1,51 @@
-//! Scans from a CSV file.
+//! Scans from a log.
 
-mod lines;
-mod row;
-
-use std::fs::File;
-use std::io::{self, BufRead as _, BufReader};
 use std::path::Path;
 
-use csv::StringRecord;
-use scene::reader::nearest;
+use logs::{Log, LogError, Options, Sensor};
 
-use self::lines::Lines;
-use self::row::Row;
-use super::scans::ScanSet;
+use super::scans::{Kernel, ScanSet};
 use crate::failure::Failure;
-
-/// The columns that a file must have.
-pub const COLUMNS: [&str; 6] = ["scan", "x_m", "y_m", "theta_rad", "bearing_rad", "range_m"];
 
 /// More rays are taken for a mistake: these need 2 GB.
 const MOST_RAYS: usize = 50_000_000;
 
-/// A longer first line is none of a table.
-const LONGEST_HEAD: usize = 4096;
-
-/// Reads a file row by row. 32 bytes are kept of each.
+/// Reads a log, or a table of scans, for the given kernel. 32 bytes are kept of each ray.
 ///
 /// # Errors
-/// A file that cannot be read; the first thing in it that is not as it must be, with line and column.
-pub fn load(path: &Path) -> Result<ScanSet, Failure> {
-    let place = path.display().to_string();
-    let unreadable = |error: &dyn std::fmt::Display| {
-        Failure::BadInput(format!("{place}: cannot be read: {error}; give a CSV file, its form: speed --help"))
+/// A file that cannot be read; the first line of it that is damaged; disparities for a laser.
+pub fn load(path: &Path, kernel: Kernel) -> Result<ScanSet, Failure> {
+    let refuse = |what: &str| Failure::BadInput(format!("{}{what}", path.display()));
+    // A camera sees as far as its disparities reach, and ends of ranges beyond are on the map.
+    let max_range_m = (kernel == Kernel::Stereo).then_some(f64::INFINITY);
+    let options = Options { max_range_m, problems: 1, ..Options::default() };
+    let mut log = Log::open(path, &options).map_err(refused)?;
+    let mut set = match (kernel, log.sensor()) {
+        (Kernel::Laser, Sensor::Stereo) => {
+            return Err(refuse(": holds disparities, which no laser reads; leave out --sensor laser"));
+        }
+        (Kernel::Laser, Sensor::Laser { max_range_m, .. }) => ScanSet::of_laser(max_range_m),
+        (Kernel::Stereo, _) => ScanSet::default(),
     };
-    let file = File::open(path).map_err(|e| unreadable(&e))?;
-    if !file.metadata().map_err(|e| unreadable(&e))?.is_file() {
-        return Err(unreadable(&"is no file"));
-    }
-    let mut source = BufReader::with_capacity(1 << 18, file);
-    let start = source.fill_buf().map_err(|e| unreadable(&e))?;
-    if start.len() > LONGEST_HEAD && !start[..LONGEST_HEAD].iter().any(|byte| [b'\n', b'\r'].contains(byte)) {
-        return Err(refuse(&place, 1, &format!("no table: the first line must be {}", COLUMNS.join(","))));
-    }
-    read(source, &place)
-}
-
-/// Reads scans from CSV text; `place` names it in messages.
-///
-/// # Errors
-/// As [`load`].
-pub fn read(source: impl io::Read, place: &str) -> Result<ScanSet, Failure> {
-    let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(Lines::new(source));
-    let mut record = StringRecord::new();
-    let mut table: Option<Table> = None;
-    let mut set = ScanSet::default();
-    let mut number = None;
-    let mut line = 1;
-    loop {
-        match reader.read_record(&mut record) {
-            Ok(false) => break,
-            Ok(true) => {}
-            Err(error) => return Err(broken(place, line, &error)),
+    let disparities = log.sensor() == Sensor::Stereo;
+    for scan in &mut log {
+        let scan = scan.map_err(refused)?;
+        set.begin(scan.pose);
+        for (&bearing, &reading) in scan.bearings_rad.iter().zip(&scan.readings) {
+            if disparities { set.disparity(bearing, reading) } else { set.ray(bearing, reading) }
         }
-        line = reader.position().line() - 1; // every line has its end, and so has this row's
-        let Some(table) = &table else {
-            table = Some(Table::of(&record, place, line)?);
-            continue;
-        };
-        if set.rays() == MOST_RAYS {
-            return Err(refuse(place, line, &format!("must be at most {MOST_RAYS} rows; split the file")));
+        if set.rays() > MOST_RAYS {
+            return Err(refuse(&format!(": must be at most {MOST_RAYS} rays; split the file")));
         }
-        let row = Row { record: &record, table, place, line };
-        row.add(&mut set, &mut number)?;
     }
-    if table.is_none() {
-        return Err(refuse(place, 1, &format!("is empty; the first line must be {}", COLUMNS.join(","))));
-    }
-    if set.rays() == 0 {
-        return Err(refuse(place, 1, "no rows; give one at least for every ray"));
-    }
-    Ok(set)
-}
-
-fn refuse(place: &str, line: u64, what: &str) -> Failure {
-    Failure::BadInput(format!("{place}:{line}: {what}"))
-}
-
-fn broken(place: &str, before: u64, error: &csv::Error) -> Failure {
-    let line = error.position().map_or(before, csv::Position::line);
-    match error.kind() {
-        csv::ErrorKind::Utf8 { .. } => refuse(place, line, "is no UTF-8 text; save the file as UTF-8"),
-        _ => Failure::BadInput(format!("{place}: cannot be read: {error}; give a CSV file, its form: speed --help")),
+    let report = log.report();
+    match report.problems.first().filter(|_| report.damaged > 0) {
+        Some(problem) => Err(refuse(&format!(":{}: {}", problem.line, problem.reason))),
+        None => Ok(set),
     }
 }
 
-/// Where the columns are.
-struct Table {
-    columns: [usize; COLUMNS.len()],
-    width: usize,
-}
-
-impl Table {
-    fn of(head: &StringRecord, place: &str, line: u64) -> Result<Self, Failure> {
-        let names: Vec<&str> = head.iter().map(str::trim).collect();
-        let mut columns = [0; COLUMNS.len()];
-        for (column, name) in columns.iter_mut().zip(COLUMNS) {
-            let mut found = (0..names.len()).filter(|k| names[*k] == name);
-            *column = found.next().ok_or_else(|| {
-                let like = nearest(name, names.iter().copied());
-                let what = format!(
-                    "column {name}: is missing, the nearest is {like:?}; the first line must have {}",
-                    COLUMNS.join(",")
-                );
-                refuse(place, line, &what)
-            })?;
-            if found.next().is_some() {
-                return Err(refuse(place, line, &format!("column {name}: is there twice; name each column once")));
-            }
-        }
-        Ok(Self { columns, width: names.len() })
-    }
+/// A log is input: what is wrong with it, the user can correct.
+fn refused(error: LogError) -> Failure {
+    Failure::BadInput(error.to_string())
 }

@@ -1,9 +1,11 @@
 //! How the time of a mapper grows with what it is given.
 
 mod cases;
+mod curve;
 pub mod fit;
 mod views;
 
+pub use curve::{Against, Curve, Sizes};
 pub use views::{draw, table, text};
 
 use std::hint::black_box;
@@ -11,83 +13,13 @@ use std::time::Instant;
 
 use mapper::catalogue::{Entry, Kind};
 
-use self::cases::Case;
+use self::cases::GrowthCase;
 use super::hall::Hall;
 use super::measure::rotated;
 use crate::failure::Failure;
 
 /// A measurement goes on for so long, s, so that the clock is fine enough.
 const LEAST_S: f64 = 0.02;
-
-/// What is varied, everything else being the same.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Against {
-    /// Cells of one ray that ends in the last of them; the time of the ray.
-    CellsPerRay,
-    /// Rays of a scan over the same angle; the time of the scan.
-    RaysPerScan,
-    /// Cells of a square map about the same scan; the time of the scan.
-    MapCells,
-    /// Scans of a drive; the time of all.
-    Scans,
-}
-
-/// The sizes that are measured, rising.
-#[derive(Debug, Clone)]
-pub struct Sizes {
-    /// Of [`Against::CellsPerRay`].
-    pub cells_per_ray: Vec<usize>,
-    /// Of [`Against::RaysPerScan`].
-    pub rays_per_scan: Vec<usize>,
-    /// Of [`Against::MapCells`]: the map is the square that comes nearest.
-    pub map_cells: Vec<usize>,
-    /// Of [`Against::Scans`], at most [`SCANS`](super::hall::SCANS).
-    pub scans: Vec<usize>,
-}
-
-/// Times of one mapper.
-#[derive(Debug, Clone)]
-pub struct Curve {
-    /// Name of the mapper.
-    pub mapper: &'static str,
-    /// What was varied.
-    pub against: Against,
-    /// Size, and least time of all repeats, s.
-    pub points: Vec<(f64, f64)>,
-}
-
-impl Against {
-    /// All of them, in the order of tables.
-    pub const ALL: [Self; 4] = [Self::CellsPerRay, Self::RaysPerScan, Self::MapCells, Self::Scans];
-
-    /// Its name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::CellsPerRay => "cells_per_ray",
-            Self::RaysPerScan => "rays_per_scan",
-            Self::MapCells => "map_cells",
-            Self::Scans => "scans",
-        }
-    }
-}
-
-impl Default for Sizes {
-    fn default() -> Self {
-        Self {
-            cells_per_ray: vec![100, 300, 1_000, 3_000, 10_000],
-            rays_per_scan: vec![50, 100, 200, 400, 800, 1_600, 3_200],
-            map_cells: vec![10_000, 100_000, 1_000_000, 10_000_000],
-            scans: vec![45, 90, 180, 360],
-        }
-    }
-}
-
-impl Curve {
-    /// The exponent of the power law through the points.
-    pub fn exponent(&self) -> Option<f64> {
-        fit::exponent(&self.points)
-    }
-}
 
 /// The mappers whose growth can be measured.
 ///
@@ -124,7 +56,7 @@ pub fn measure(
         let first = curves.len();
         let new = |entry: &&'static Entry| Curve { mapper: entry.name, against, points: Vec::new() };
         curves.extend(entries.iter().map(new));
-        for case in Case::all(against, sizes, &hall)? {
+        for case in GrowthCase::all(against, sizes, &hall)? {
             let mut best = vec![vec![f64::INFINITY; case.sizes.len()]; entries.len()];
             for repeat in 0..repeats {
                 for (number, entry) in rotated(entries, repeat) {
@@ -143,7 +75,7 @@ pub fn measure(
 }
 
 /// Time of one scan that is mapped again and again, s. The first time, which meets fresh memory, is not counted.
-fn repeated(entry: &Entry, case: &Case) -> f64 {
+fn repeated(entry: &Entry, case: &GrowthCase) -> f64 {
     let mut mapper = (entry.build)(&case.setup);
     let mut integrate = || case.scans.iter().for_each(|scan| mapper.integrate(scan));
     integrate();
@@ -159,7 +91,7 @@ fn repeated(entry: &Entry, case: &Case) -> f64 {
 }
 
 /// Times after each of the case's numbers of scans, s.
-fn drive(entry: &Entry, case: &Case) -> Vec<f64> {
+fn drive(entry: &Entry, case: &GrowthCase) -> Vec<f64> {
     let mut mapper = (entry.build)(&case.setup);
     let start = Instant::now();
     let mut times = Vec::new();

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::{Format, count, positive};
+use super::scans::Kernel;
+use crate::output::args::{FormatOption, count, positive};
 
 /// Mappers that are measured where none are named: those that a robot would run, side by side with the ablations.
 pub(super) const MAPPERS: &str =
@@ -17,9 +18,12 @@ const MOST_REPEATS: u32 = 1000;
 #[derive(Debug, Args)]
 #[command(after_long_help = FORM)]
 pub struct SpeedOptions {
-    /// Scans to map, a CSV file; its form: speed --help [default: 360 scans of 200 rays in a hall of 40 m by 40 m]
+    /// Scans to map, a CARMEN log or a table; its form: speed --help [default: 360 scans of 200 rays in a hall of 40 m by 40 m]
     #[arg(long, value_name = "FILE")]
     pub scans: Option<PathBuf>,
+    /// What the mappers take the scans of --scans for
+    #[arg(long, value_enum, default_value_t, requires = "scans")]
+    pub sensor: Kernel,
     /// Mappers, comma-separated (see `list`); those that take all scans at once solve once, at the end
     #[arg(long, value_name = "A,B", value_delimiter = ',', default_value = MAPPERS)]
     pub mappers: Vec<String>,
@@ -36,21 +40,23 @@ pub struct SpeedOptions {
     /// Folder for tables and pictures, written whole or not at all
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Form of the table on stdout
-    #[arg(long, value_enum, default_value_t)]
-    pub format: Format,
+    /// How the table is printed
+    #[command(flatten)]
+    pub print: FormatOption,
 }
 
 const FORM: &str = "\
-A file of scans has a row per ray and a head:
+A table of scans has a row per ray and a head:
 
     scan,x_m,y_m,theta_rad,bearing_rad,range_m
     0,1.5,2.0,0.0,-0.1,3.25
     0,1.5,2.0,0.0,0.1,
     1,1.6,2.0,0.0,-0.1,3.15
 
-The rows of a scan follow each other and have one pose; numbers of scans rise. A range becomes the noise-free disparity \
-that the camera of the paper would read. Without a range, or where the camera cannot see it (a depth below 0.25 m, or \
-behind the camera), the ray has no reading, and is not counted. Columns may stand in any order, among others.
+It is read as by `replay` (see replay --help), but no damaged line is passed over: rows that follow each other with one number and one \
+pose are a scan, and columns may stand in any order, among others. With --sensor stereo, a range becomes the noise-free disparity \
+that the camera of the paper would read, or the table has disparity_px instead. Without a range, or where the camera cannot see \
+it (a depth below 0.25 m, or behind the camera), the ray has no reading, and is not counted. With --sensor laser, the range is \
+the reading; a range of 80 m or more (in a CARMEN log, of its maximum) is no echo, and is not counted.
 
 The map covers all poses and ends of ranges, and 1 m more on every side.";

@@ -1,6 +1,6 @@
 //! The files that `speed` leaves behind.
 
-use std::io::{self, Write as _};
+use std::io::Write as _;
 
 use serde_json::json;
 
@@ -9,7 +9,7 @@ use super::measure::Speed;
 use super::tables::{self, Conditions};
 use crate::failure::Failure;
 use crate::output::folder::Staging;
-use crate::output::record::versions;
+use crate::output::record::Record;
 
 /// The files, beside the record.
 pub(super) const FILES: [&str; 3] = ["speed.csv", "growth.csv", "growth.png"];
@@ -24,27 +24,20 @@ pub(super) fn write(
     conditions: &Conditions,
     curves: Option<&[Curve]>,
 ) -> Result<(), Failure> {
-    let table = tables::table(speeds, conditions);
-    staging.write("speed.csv", |out| table.write_csv(out).map_err(io::Error::other))?;
+    tables::table(speeds, conditions).save(&mut staging, "speed.csv")?;
     if let Some(curves) = curves {
-        let table = growth::table(curves);
-        staging.write("growth.csv", |out| table.write_csv(out).map_err(io::Error::other))?;
+        growth::table(curves).save(&mut staging, "growth.csv")?;
         let picture = growth::draw(curves)?;
         staging.write("growth.png", |out| out.write_all(&picture))?;
     }
-    let record = json!({
-        "schema_version": 1,
-        "command": "speed",
-        "configuration": {
-            "scans": conditions.source,
-            "mappers": speeds.iter().map(|speed| speed.mapper).collect::<Vec<_>>(),
-            "repeats": conditions.repeats,
-            "growth": curves.is_some(),
-        },
-        "grid": conditions.grid,
-        "processor": conditions.processor,
-        "versions": versions(),
+    let configuration = json!({
+        "scans": conditions.source,
+        "mappers": speeds.iter().map(|speed| speed.mapper).collect::<Vec<_>>(),
+        "repeats": conditions.repeats,
+        "growth": curves.is_some(),
     });
-    staging.record(&record)?;
+    let Conditions { grid, processor, .. } = conditions;
+    let parts = json!({ "configuration": configuration, "grid": grid, "processor": processor });
+    staging.record(&Record::new("speed", parts))?;
     staging.publish()
 }

@@ -1,6 +1,6 @@
 //! What the numbers were measured on.
 
-/// Name of the processor, as far as the system tells it.
+/// Name of the processor, as far as the system gives it.
 pub(super) fn name() -> String {
     let told = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     model(&told).unwrap_or("unknown processor").to_owned()

@@ -1,7 +1,10 @@
 //! The scans that all mappers map, and the cells that their rays visit.
 
+use std::sync::Arc;
+
+use clap::ValueEnum;
 use grid::{DigitalLine, GridSpec};
-use sensor::{Pose, Scan, Stereo};
+use sensor::{Laser, Pose, Scan, SensorModel, Stereo};
 
 /// The map reaches so much farther than all poses and ranges, m.
 const MARGIN_M: f64 = 1.0;
@@ -12,16 +15,28 @@ pub const MOST_CELLS: usize = 25_000_000;
 /// Share of a range that rounding may take from it: its last cell counts as owed only if the ray goes farther into it.
 const ROUNDING: f64 = 1e-9;
 
-/// Scans of noise-free readings, with the ranges that these were made from.
+/// What the mappers take the readings for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum Kernel {
+    /// the camera of the paper, which reads the noise-free disparity of every range
+    #[default]
+    Stereo,
+    /// a laser, which reads the range
+    Laser,
+}
+
+/// Scans, with the ranges that their readings stand for.
 #[derive(Debug, Clone, Default)]
 pub struct ScanSet {
     /// In the order in which they are mapped.
     pub scans: Vec<Scan>,
-    /// Range of every ray of every scan, m; of a ray without a reading, NaN.
+    /// Range of every ray of every scan, m; of a ray without a reading or an echo, NaN.
     ranges_m: Vec<f64>,
     /// Lower-left and upper-right corner of all poses and ends of ranges, m; none before the first pose.
     extent_m: Option<[[f64; 2]; 2]>,
     stereo: Stereo,
+    /// None of scans that the camera takes.
+    laser: Option<Laser>,
 }
 
 /// Cells from the sensor to the end of every range, both included: what rays and grid ask of every mapper.
@@ -31,11 +46,24 @@ pub struct Visited {
     pub cells: u64,
     /// Those of them that a ray enters by more than rounding: a mapper that updates fewer has not done its work.
     pub owed: u64,
-    /// Rays with a reading.
+    /// Rays with a reading that is a range.
     pub rays: u64,
 }
 
 impl ScanSet {
+    /// No scans yet, of a laser that sees so far, m.
+    pub fn of_laser(max_range_m: f64) -> Self {
+        Self { laser: Some(Laser { max_range_m, ..Laser::default() }), ..Self::default() }
+    }
+
+    /// What took the scans.
+    pub fn sensor(&self) -> Arc<dyn SensorModel> {
+        match self.laser {
+            Some(laser) => Arc::new(laser),
+            None => Arc::new(self.stereo),
+        }
+    }
+
     /// The next scan, from this pose, without rays yet.
     pub fn begin(&mut self, pose: Pose) {
         self.fit();
@@ -43,12 +71,27 @@ impl ScanSet {
         self.reach(pose.position_m());
     }
 
-    /// One more ray of the scan that was begun last. A range (m) that the camera cannot see gives no reading.
+    /// One more ray of the scan that was begun last. A range (m) that the camera cannot see gives no reading; an
+    /// infinite one is no echo.
     pub fn ray(&mut self, bearing_rad: f64, range_m: Option<f64>) {
         let stereo = self.stereo;
+        let seen = |range: f64| Some(stereo.disparity(range, bearing_rad)).filter(|d| *d <= stereo.max_disparity);
+        let reading = match self.laser {
+            Some(_) => range_m,
+            None => range_m.filter(|range| range.is_finite()).and_then(seen),
+        };
+        self.push(bearing_rad, reading, range_m.filter(|range| range.is_finite()));
+    }
+
+    /// As [`ray`](Self::ray), by its disparity, px.
+    pub fn disparity(&mut self, bearing_rad: f64, disparity: Option<f64>) {
+        let reading = disparity.filter(|disparity| *disparity <= self.stereo.max_disparity);
+        let range_m = reading.and_then(|disparity| self.stereo.range_of(disparity, bearing_rad));
+        self.push(bearing_rad, reading, range_m);
+    }
+
+    fn push(&mut self, bearing_rad: f64, reading: Option<f64>, range_m: Option<f64>) {
         let Some(scan) = self.scans.last_mut() else { return };
-        let disparity = range_m.map(|range| stereo.disparity(range, bearing_rad));
-        let reading = disparity.filter(|disparity| *disparity <= stereo.max_disparity);
         scan.bearings_rad.push(bearing_rad);
         scan.readings.push(reading);
         self.ranges_m.push(range_m.filter(|_| reading.is_some()).unwrap_or(f64::NAN));
@@ -98,7 +141,7 @@ impl ScanSet {
         let mut visited = Visited::default();
         let mut line = DigitalLine::default();
         let rays = self.scans.iter().flat_map(Scan::rays).zip(&self.ranges_m);
-        for (ray, &range) in rays.filter(|(ray, _)| ray.reading.is_some()) {
+        for (ray, &range) in rays.filter(|(_, range)| !range.is_nan()) {
             line.trace(spec, ray.origin_m, ray.direction, range);
             let entered = &line.ranges()[..line.len()];
             let beyond = entered.iter().rev().take_while(|at| **at >= range * (1.0 - ROUNDING)).count();
@@ -128,6 +171,28 @@ mod tests {
         assert!((spec.origin_m[0] - (4.0 * libm::cos(3.0) - 1.0)).abs() < 1e-12);
         // From 0 to 1.5 m; the grid's lines are not at whole decimetres.
         assert_eq!(set.visited(&spec), Visited { cells: 16, owed: 16, rays: 1 });
+    }
+
+    #[test]
+    fn a_laser_reads_ranges_and_what_has_no_echo_is_no_visit() {
+        let mut set = ScanSet::of_laser(30.0);
+        set.begin(Pose { x_m: 0.25, y_m: 0.25, theta_rad: 0.0 });
+        [Some(1.0), Some(f64::INFINITY), None].into_iter().for_each(|range| set.ray(0.0, range));
+        assert_eq!(set.scans[0].readings, [Some(1.0), Some(f64::INFINITY), None]);
+        let spec = GridSpec { cell_m: 0.25, origin_m: [-1.125; 2], width: 12, height: 8 };
+        assert_eq!((set.rays(), set.visited(&spec)), (3, Visited { cells: 5, owed: 5, rays: 1 }));
+    }
+
+    #[test]
+    fn a_disparity_is_taken_as_it_is() {
+        let (mut by_range, mut by_disparity) = (ScanSet::default(), ScanSet::default());
+        by_range.begin(Pose::default());
+        by_disparity.begin(Pose::default());
+        by_range.ray(0.3, Some(1.5));
+        by_disparity.disparity(0.3, by_range.scans[0].readings[0]);
+        by_disparity.disparity(0.3, Some(60.5));
+        assert_eq!(by_disparity.scans[0].readings, [by_range.scans[0].readings[0], None]);
+        assert!((by_disparity.ranges_m[0] - 1.5).abs() < 1e-12);
     }
 
     #[test]

@@ -1,29 +1,11 @@
 //! The table of speeds.
 
 use grid::GridSpec;
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::measure::Speed;
 use super::scans::Visited;
 use crate::output::table::{Table, aligned, rounded};
-
-/// The columns of `speed.csv` and of the JSON.
-const COLUMNS: [&str; 14] = [
-    "mapper",
-    "cells_visited",
-    "ns_per_cell",
-    "rays_per_s",
-    "scans_per_s",
-    "bytes_per_cell",
-    "cells_updated",
-    "ns_per_cell_median",
-    "scans",
-    "rays",
-    "map_cells",
-    "cell_m",
-    "repeats",
-    "processor",
-];
 
 /// What was mapped, on what.
 #[derive(Debug, Clone)]
@@ -50,27 +32,26 @@ fn ns_per_cell(seconds: f64, visited: &Visited) -> f64 {
 /// One row per mapper, in the order asked for. `cells_updated` is null of a mapper that does not count.
 pub fn table(speeds: &[Speed], conditions: &Conditions) -> Table {
     let Conditions { scans, visited, grid, .. } = conditions;
-    let mut table = Table::new(&COLUMNS);
-    for speed in speeds {
-        let best = speed.best_s();
-        table.push(vec![
-            json!(speed.mapper),
-            json!(visited.cells),
-            rounded(ns_per_cell(best, visited)),
-            rounded(visited.rays as f64 / best),
-            rounded(*scans as f64 / best),
-            rounded(speed.work.bytes as f64 / grid.cells() as f64),
-            if speed.work.cells == 0 { Value::Null } else { json!(speed.work.cells) },
-            rounded(ns_per_cell(speed.median_s(), visited)),
-            json!(scans),
-            json!(visited.rays),
-            json!(grid.cells()),
-            json!(grid.cell_m),
-            json!(conditions.repeats),
-            json!(conditions.processor),
-        ]);
-    }
-    table
+    let best = Speed::best_s;
+    Table::of(
+        speeds,
+        &[
+            ("mapper", &|speed| json!(speed.mapper)),
+            ("cells_visited", &|_| json!(visited.cells)),
+            ("ns_per_cell", &|speed| rounded(ns_per_cell(best(speed), visited))),
+            ("rays_per_s", &|speed| rounded(visited.rays as f64 / best(speed))),
+            ("scans_per_s", &|speed| rounded(*scans as f64 / best(speed))),
+            ("bytes_per_cell", &|speed| rounded(speed.work.bytes as f64 / grid.cells() as f64)),
+            ("cells_updated", &|speed| json!(Some(speed.work.cells).filter(|cells| *cells > 0))),
+            ("ns_per_cell_median", &|speed| rounded(ns_per_cell(speed.median_s(), visited))),
+            ("scans", &|_| json!(scans)),
+            ("rays", &|_| json!(visited.rays)),
+            ("map_cells", &|_| json!(grid.cells())),
+            ("cell_m", &|_| json!(grid.cell_m)),
+            ("repeats", &|_| json!(conditions.repeats)),
+            ("processor", &|_| json!(conditions.processor)),
+        ],
+    )
 }
 
 /// The table for reading, at most 80 columns wide.
@@ -134,6 +115,7 @@ pub(super) fn grouped(number: u64) -> String {
 mod tests {
     use super::*;
     use mapper::Work;
+    use serde_json::Value;
 
     fn measured() -> (Vec<Speed>, Conditions) {
         let visited = Visited { cells: 12_345_678_901, owed: 12_345_678_900, rays: 72_000_000 };

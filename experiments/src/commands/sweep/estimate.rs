@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use super::job::Job;
 use super::manifest::Manifest;
 use super::parameters::number_of;
-use super::row::Row;
+use super::row::SweepRow;
 use crate::failure::Failure;
 
 /// A run that takes longer than this is announced.
@@ -82,7 +82,7 @@ fn run(manifest: &Manifest, kind: &Alike) -> Result<(Duration, u64), Failure> {
     let start = Instant::now();
     let rows = kind.first.run()?;
     let length = |fields: Vec<String>| fields.iter().map(|field| field.len() + 1).sum::<usize>() as u64;
-    let fields = |row: &Row| row.fields(kind.id, &kind.first, &manifest.head.keys);
+    let fields = |row: &SweepRow| row.fields(kind.id, &kind.first, &manifest.head.keys);
     Ok((start.elapsed(), rows.iter().map(|row| length(fields(row))).sum()))
 }
 
@@ -114,7 +114,7 @@ fn kinds(manifest: &Manifest, shards: &[u32]) -> Result<Vec<Alike>, Failure> {
     Ok(kinds)
 }
 
-/// Side of a cell, m, and number of scans; infinity stands for as many as the drive has, or as large as the file says.
+/// Side of a cell, m, and number of scans; infinity stands for as many as the drive has, or as large as in the file.
 fn size(job: &Job) -> [f64; 2] {
     ["grid", "scans"].map(|key| number_of(&job.settings, key).unwrap_or(f64::INFINITY))
 }

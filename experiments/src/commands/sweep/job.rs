@@ -1,20 +1,21 @@
-//! A job: one drive through one world, mapped by all mappers with the same settings. It says all that decides its
+//! A job: one drive through one world, mapped by all mappers with the same settings. It holds all that decides its
 //! rows, so that it can run anywhere and in any order.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::Arc;
 
-use mapper::catalogue::{Entry, Setup, find};
+use mapper::catalogue::{Entry, find};
 use mapper::{CorrelationLaw, Prior, Reconciliation, Tuning, estimate};
 use sensor::Stereo;
 use serde::{Deserialize, Serialize};
 
 use super::parameters::{Parameter, Settings, number_of, parameter, word_of};
-use super::row::{Row, rows};
-use super::site::{Site, Source};
+use super::row::{SweepRow, rows};
+use super::source::{SourceFile, SourceText};
 use crate::failure::{Failure, panic_text};
 use crate::output::digest;
+use crate::worlds::condition::AS_BELIEVED;
 use crate::worlds::run::{Ground, Keep};
+use crate::worlds::site::{Assumptions, Site};
 
 /// A job.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -22,7 +23,7 @@ use crate::worlds::run::{Ground, Keep};
 pub struct Job {
     /// Scene or family file.
     pub file: String,
-    /// Digest of what it says, see [`Site`].
+    /// Digest of its content, see [`SourceFile`].
     pub digest: String,
     /// Whether it is a family, of which the seed is also the layout.
     pub family: bool,
@@ -38,7 +39,7 @@ pub struct Job {
 
 /// The part of a job that decides the readings.
 #[derive(Serialize)]
-struct World<'a> {
+struct Readings<'a> {
     digest: &'a str,
     seed: u64,
     settings: Settings,
@@ -50,8 +51,8 @@ impl Job {
         serde_json::to_string(self).unwrap_or_default() // plain values under plain keys
     }
 
-    /// What names it: the first 16 digits of the digest of all that it says, whatever its order or shard. The name
-    /// of the file does not count; what the file says does.
+    /// What names it: the first 16 digits of the digest of all that it holds, whatever its order or shard. The name
+    /// of the file does not count; its content does.
     pub fn id(&self) -> u64 {
         digest::number(Self { file: String::new(), ..self.clone() }.json().as_bytes())
     }
@@ -62,32 +63,34 @@ impl Job {
         let of_world = |key: &String| parameter(key).is_some_and(Parameter::of_world);
         let settings = self.settings.iter().filter(|(key, _)| of_world(key));
         let settings = settings.map(|(key, value)| (key.clone(), value.clone())).collect();
-        let world = World { digest: &self.digest, seed: self.seed, settings };
+        let world = Readings { digest: &self.digest, seed: self.seed, settings };
         digest::number(serde_json::to_string(&world).unwrap_or_default().as_bytes())
     }
 
     /// Runs the job and gives its rows. What goes wrong in a world or a mapper, even a panic, is a row with the error.
     ///
     /// # Errors
-    /// A file that cannot be read, or that says something else than when the job was planned: that is no result, and
+    /// A file that cannot be read, or whose content is not what it was when the job was planned: that is no result, and
     /// another time it may be one.
-    pub fn run(&self) -> Result<Vec<Row>, Failure> {
-        let source = Site { file: self.file.clone(), digest: self.digest.clone(), family: self.family }.source()?;
+    pub fn run(&self) -> Result<Vec<SweepRow>, Failure> {
+        let source =
+            SourceFile { file: self.file.clone(), digest: self.digest.clone(), family: self.family }.source()?;
         let rows = |mappers: &[String]| caught(|| self.map(&source, mappers));
         Ok(rows(&self.mappers).unwrap_or_else(|error| match self.mappers.as_slice() {
             [] => Vec::new(),
-            [one] => vec![Row::failed(one, &error)],
+            [one] => vec![SweepRow::failed(one, &error)],
             // One mapper's failure is not that of the others: they have their rows if they are run alone.
             all => {
-                let alone =
-                    |name: &String| rows(std::slice::from_ref(name)).unwrap_or_else(|e| vec![Row::failed(name, &e)]);
+                let alone = |name: &String| {
+                    rows(std::slice::from_ref(name)).unwrap_or_else(|e| vec![SweepRow::failed(name, &e)])
+                };
                 all.iter().flat_map(alone).collect()
             }
         }))
     }
 
-    fn map(&self, source: &Source, names: &[String]) -> Result<Vec<Row>, Failure> {
-        let (mut ground, setup) = self.ground(source)?;
+    fn map(&self, source: &SourceText, names: &[String]) -> Result<Vec<SweepRow>, Failure> {
+        let Site { mut ground, setup } = self.site(source)?;
         self.thin(&mut ground);
         let unknown = |name: &str| Failure::BadInput(format!("there is no mapper {name:?}"));
         let mappers: Vec<&Entry> =
@@ -96,25 +99,23 @@ impl Job {
         rows(self, &ground, &trial)
     }
 
-    /// The world, and what the mappers believe of it: the camera that is simulated, unless a setting says otherwise.
-    fn ground(&self, source: &Source) -> Result<(Ground, Setup), Failure> {
-        let (number, word) = (|key| number_of(&self.settings, key), |key| word_of(&self.settings, key));
+    /// The world, and what the mappers assume of it: the camera that is simulated, unless a setting names another.
+    fn site(&self, source: &SourceText) -> Result<Site, Failure> {
+        let number = |key| number_of(&self.settings, key);
         let scene = source.scene(self.seed, &self.settings)?;
-        let camera = scene.matcher.stereo;
-        let believed = Stereo {
-            correct_match: number("believed_correct_match").unwrap_or(camera.correct_match),
-            disparity_sigma: number("believed_sigma").unwrap_or(camera.disparity_sigma),
-            ..camera
+        let simulated = scene.matcher.stereo;
+        let camera = Stereo {
+            correct_match: number("believed_correct_match").unwrap_or(simulated.correct_match),
+            disparity_sigma: number("believed_sigma").unwrap_or(simulated.disparity_sigma),
+            ..simulated
         };
-        let prior = self.prior();
-        let reconciliation = match word("reconciliation") {
+        let reconciliation = match word_of(&self.settings, "reconciliation") {
             Some("touched") => Reconciliation::Touched,
             Some(_) => Reconciliation::AllEdges,
             None => Reconciliation::default(),
         };
-        let tuning = self.tuning()?;
-        let setup = Setup { prior, reconciliation, tuning, ..Setup::new(scene.grid, Arc::new(believed)) };
-        Ok((Ground::new(scene, prior.occupancy)?, setup))
+        let (prior, tuning) = (self.prior(), self.tuning()?);
+        Site::of(scene, &AS_BELIEVED, &Assumptions { prior, reconciliation, tuning, camera: Some(camera) })
     }
 
     /// Parameters of rules other than the paper's.
@@ -174,7 +175,7 @@ impl Job {
 }
 
 /// What fails, or panics, in words.
-fn caught(run: impl FnOnce() -> Result<Vec<Row>, Failure>) -> Result<Vec<Row>, String> {
+fn caught(run: impl FnOnce() -> Result<Vec<SweepRow>, Failure>) -> Result<Vec<SweepRow>, String> {
     let run = || run().map_err(|failure| failure.to_string());
     catch_unwind(AssertUnwindSafe(run))
         .unwrap_or_else(|panic| Err(format!("panic: {}", panic_text(&*panic).unwrap_or("without a message"))))
@@ -230,7 +231,7 @@ mod tests {
     fn a_failure_is_a_row_and_not_that_of_other_mappers() {
         let scene = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/room.toml");
         let mappers = ["prior", "no such mapper"].map(str::to_owned).to_vec();
-        let site = Site::load(&scene, false).expect("a scene");
+        let site = SourceFile::load(&scene, false).expect("a scene");
         let mut job = Job { file: site.file, digest: site.digest, mappers, ..job() };
         job.settings.insert("grid".to_owned(), Value::Number(0.5));
         let rows = job.run().expect("the file is as it was");
@@ -246,7 +247,7 @@ mod tests {
 
     #[test]
     fn a_panic_is_caught_with_what_it_said() {
-        let said = caught(|| -> Result<Vec<Row>, Failure> { panic!("cell {} is lost", 7) });
+        let said = caught(|| -> Result<Vec<SweepRow>, Failure> { panic!("cell {} is lost", 7) });
         assert_eq!(said, Err("panic: cell 7 is lost".to_owned()));
     }
 }

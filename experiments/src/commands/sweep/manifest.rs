@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 pub use self::plan::{Replace, plan};
 
 use super::job::Job;
-use super::site::Site;
+use super::source::SourceFile;
 use crate::failure::Failure;
 use crate::output::digest::{Running, build, number};
 
@@ -36,7 +36,7 @@ pub struct Head {
     /// The program that planned it; the same must run it.
     pub build: String,
     /// The files that the worlds come from.
-    pub sites: Vec<Site>,
+    pub sites: Vec<SourceFile>,
 }
 
 /// Every other line: a job.

@@ -7,6 +7,9 @@ use super::row::columns;
 use super::shard::{self, State};
 use crate::failure::Failure;
 
+/// Name of the merged table.
+pub const TABLE: &str = "table.csv";
+
 /// What came of a merge.
 #[derive(Debug, Default)]
 pub struct Merged {

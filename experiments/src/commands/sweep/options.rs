@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-use super::parameters::{Kind, Of, PARAMETERS, Parameter};
-use crate::cli::{Format, MOST_THREADS, count};
+use super::parameters::{Of, PARAMETERS, Parameter, ParameterKind};
+use crate::output::args::{FormatOption, MOST_THREADS, ThreadsOption, count};
 
 /// More shards than this are a mistake.
 const MOST_SHARDS: u32 = 1_000_000;
@@ -28,8 +28,8 @@ range-by-looks is one per bin of range and number of looks.\n\n";
 
 /// The form of a file, and all parameters.
 fn form() -> String {
-    let word = |kind: &Kind| match kind {
-        Kind::Word(words) => {
+    let word = |kind: &ParameterKind| match kind {
+        ParameterKind::Word(words) => {
             format!(": {}", words.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(", "))
         }
         _ => String::new(),
@@ -64,9 +64,9 @@ pub struct SweepOptions {
     /// Take the place of another sweep in the folder, whose results then do not count any more
     #[arg(long)]
     pub replace: bool,
-    /// Threads to use, all processors if not given; results do not depend on it
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = count(MOST_THREADS))]
-    pub threads: Option<u32>,
+    /// How many threads work
+    #[command(flatten)]
+    pub threads: ThreadsOption,
 }
 
 /// What can be done apart.
@@ -114,9 +114,9 @@ pub struct RunOptions {
     /// Run this shard only; may be given several times [default: all that are not done]
     #[arg(long, value_name = "I")]
     pub shard: Vec<u32>,
-    /// Threads to use, all processors if not given; results do not depend on it
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = count(MOST_THREADS))]
-    pub threads: Option<u32>,
+    /// How many threads work
+    #[command(flatten)]
+    pub threads: ThreadsOption,
 }
 
 /// Options of `sweep status`.
@@ -125,9 +125,9 @@ pub struct StatusOptions {
     /// Folder of the sweep
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
-    /// Form of the table on stdout
-    #[arg(long, value_enum, default_value_t)]
-    pub format: Format,
+    /// How the table is printed
+    #[command(flatten)]
+    pub print: FormatOption,
 }
 
 /// Options of parts that need no more than the folder.

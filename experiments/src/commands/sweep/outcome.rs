@@ -7,11 +7,13 @@ use serde_json::json;
 
 use super::file::Sweep;
 use super::manifest::Manifest;
+use super::merge::{self as shards, Merged, TABLE};
 use super::options::MergeOptions;
-use super::{TABLE, merge, plots, say};
+use super::plots;
 use crate::failure::Failure;
 use crate::output::folder::{Purpose, Staging};
-use crate::output::record::versions;
+use crate::output::note;
+use crate::output::record::Record;
 use crate::output::single::{self, Existing};
 
 /// What a sweep of these mappers means to do with its folder.
@@ -33,7 +35,7 @@ pub(super) fn conclude(manifest: &Manifest, sweep: Option<&Sweep>) -> Result<(),
     pictures(&mut staging, &sheets)?;
     record(manifest, sweep, &mut staging)?;
     staging.publish()?;
-    sheets.iter().for_each(|(picture, _)| say(&manifest.folder.join(picture).display().to_string()));
+    sheets.iter().for_each(|(picture, _)| note(manifest.folder.join(picture).display()));
     Ok(())
 }
 
@@ -50,9 +52,9 @@ pub(super) fn merge(options: &MergeOptions) -> Result<(), Failure> {
         record(&manifest, None, &mut staging)?;
         return staging.publish();
     }
-    let mut merged = merge::Merged::default();
+    let mut merged = Merged::default();
     let rows = single::fill(out, Existing::forced(options.force), |file| {
-        merged = merge::merge(&manifest, file)?;
+        merged = shards::merge(&manifest, file)?;
         Ok(())
     })
     .and_then(|filled| {
@@ -60,7 +62,7 @@ pub(super) fn merge(options: &MergeOptions) -> Result<(), Failure> {
         filled.publish()?;
         Ok(rows)
     })?;
-    say(&format!("{}: {rows} rows", out.display()));
+    note(format_args!("{}: {rows} rows", out.display()));
     Ok(())
 }
 
@@ -75,13 +77,13 @@ pub(super) fn plot(folder: &Path) -> Result<(), Failure> {
 }
 
 fn table(manifest: &Manifest, staging: &mut Staging) -> Result<(), Failure> {
-    let mut merged = merge::Merged::default();
+    let mut merged = Merged::default();
     staging.write(TABLE, |out| -> std::io::Result<()> {
-        merged = merge::merge(manifest, out)?;
+        merged = shards::merge(manifest, out)?;
         Ok(())
     })?;
     let rows = merged.whole(manifest)?;
-    say(&format!("{}: {rows} rows", manifest.folder.join(TABLE).display()));
+    note(format_args!("{}: {rows} rows", manifest.folder.join(TABLE).display()));
     Ok(())
 }
 
@@ -97,11 +99,6 @@ fn record(manifest: &Manifest, sweep: Option<&Sweep>, staging: &mut Staging) -> 
         Some(sweep) => serde_json::to_value(sweep).map_err(Failure::internal)?,
         None => former.unwrap_or_default(),
     };
-    staging.record(&json!({
-        "schema_version": 1,
-        "command": "sweep",
-        "configuration": configuration,
-        "jobs": manifest.head.jobs,
-        "versions": versions(),
-    }))
+    let parts = json!({ "configuration": configuration, "jobs": manifest.head.jobs });
+    staging.record(&Record::new("sweep", parts))
 }

@@ -1,4 +1,4 @@
-//! What can be swept: the parameters of the simulated world, and of what mappers believe of it.
+//! What can be swept: the parameters of the simulated world, and of what mappers assume of it.
 
 use std::collections::BTreeMap;
 
@@ -10,7 +10,7 @@ pub struct Parameter {
     /// Its key in a sweep file, and its column in the table.
     pub key: &'static str,
     /// What it may be.
-    pub kind: Kind,
+    pub kind: ParameterKind,
     /// What it is a parameter of.
     pub of: Of,
     /// One line about it.
@@ -41,7 +41,7 @@ impl Parameter {
 }
 
 /// What a parameter may be.
-pub enum Kind {
+pub enum ParameterKind {
     /// A number within a limit.
     Number(Limit),
     /// A number within a limit, in the place of both ends of a range.
@@ -52,12 +52,12 @@ pub enum Kind {
     Word(&'static [&'static str]),
 }
 
-const fn number(min: f64, max: f64, bound: &'static str, remedy: &'static str) -> Kind {
-    Kind::Number(Limit { min, max, bound, remedy })
+const fn number(min: f64, max: f64, bound: &'static str, remedy: &'static str) -> ParameterKind {
+    ParameterKind::Number(Limit { min, max, bound, remedy })
 }
 
-const fn whole(min: f64, max: f64, bound: &'static str, remedy: &'static str) -> Kind {
-    Kind::Whole(Limit { min, max, bound, remedy })
+const fn whole(min: f64, max: f64, bound: &'static str, remedy: &'static str) -> ParameterKind {
+    ParameterKind::Whole(Limit { min, max, bound, remedy })
 }
 
 const PROBABILITY: &str = "a number from 0 to 1";
@@ -65,11 +65,11 @@ const PROBABILITY: &str = "a number from 0 to 1";
 const GENERATE: &str = "generate";
 
 /// A parameter of a scene or family file.
-const fn of_file(section: &'static str, key: &'static str, kind: Kind, about: &'static str) -> Parameter {
+const fn of_file(section: &'static str, key: &'static str, kind: ParameterKind, about: &'static str) -> Parameter {
     Parameter { key, kind, of: Of::File(section), about }
 }
 
-const fn of_map(key: &'static str, kind: Kind, about: &'static str) -> Parameter {
+const fn of_map(key: &'static str, kind: ParameterKind, about: &'static str) -> Parameter {
     Parameter { key, kind, of: Of::Map, about }
 }
 
@@ -81,54 +81,84 @@ pub const PARAMETERS: [Parameter; 47] = [
         of: Of::Layout,
         about: "factor on the mean size of the obstacles of a family",
     },
-    of_file(GENERATE, "width", Kind::Both(limits::SIDE), "width of the place, m"),
-    of_file(GENERATE, "height", Kind::Both(limits::SIDE), "height of the place, m"),
-    of_file(GENERATE, "passage", Kind::Both(limits::OPENING), "width of a corridor, m"),
-    of_file(GENERATE, "door", Kind::Both(limits::OPENING), "width of doors, m"),
-    of_file(GENERATE, "obstacle_size", Kind::Number(limits::OBSTACLE), "mean size of obstacles, m"),
+    of_file(GENERATE, "width", ParameterKind::Both(limits::SIDE), "width of the place, m"),
+    of_file(GENERATE, "height", ParameterKind::Both(limits::SIDE), "height of the place, m"),
+    of_file(GENERATE, "passage", ParameterKind::Both(limits::OPENING), "width of a corridor, m"),
+    of_file(GENERATE, "door", ParameterKind::Both(limits::OPENING), "width of doors, m"),
+    of_file(GENERATE, "obstacle_size", ParameterKind::Number(limits::OBSTACLE), "mean size of obstacles, m"),
     of_file(
         GENERATE,
         "obstacle_spread",
-        Kind::Number(limits::SPREAD),
+        ParameterKind::Number(limits::SPREAD),
         "spread of the size of obstacles, share of the mean",
     ),
-    of_file(GENERATE, "covered", Kind::Number(limits::COVERED), "share of the floor that obstacles cover"),
-    of_file(GENERATE, "discs", Kind::Number(limits::SHARE), "share of the obstacles that are discs"),
-    of_file(GENERATE, "along_walls", Kind::Number(limits::SHARE), "share of the obstacles that stand along walls"),
-    of_file(GENERATE, "clearance", Kind::Number(limits::CLEARANCE), "what the route keeps off obstacles, m"),
-    of_file(GENERATE, "wall_thickness", Kind::Number(limits::THICKNESS), "thickness of walls, m"),
-    of_file("robot", "radius", Kind::Number(limits::RADIUS), "radius of the robot, m"),
-    of_file("robot", "speed", Kind::Number(limits::SPEED), "speed of the robot, m/s"),
-    of_file("robot", "turn_rate_deg", Kind::Number(limits::TURN_RATE), "rate at which it turns, degrees per s"),
-    of_file("robot", "scan_interval", Kind::Number(limits::INTERVAL), "time between scans, s"),
-    of_file("camera", "columns", Kind::Whole(limits::COLUMNS), "columns of the image"),
-    of_file("camera", "field_of_view_deg", Kind::Number(limits::FIELD_OF_VIEW), "horizontal field of view, degrees"),
-    of_file("sensor", "focal_baseline", Kind::Number(limits::FOCAL_BASELINE), "focal length times baseline, px m"),
-    of_file("sensor", "max_disparity", Kind::Number(limits::SEARCH), "largest disparity searched, px"),
-    of_file("sensor", "correct_match", Kind::Number(limits::PROBABILITY), "share of correct matches"),
-    of_file("sensor", "disparity_sigma", Kind::Number(limits::SIGMA), "sigma of the disparities, px"),
+    of_file(GENERATE, "covered", ParameterKind::Number(limits::COVERED), "share of the floor that obstacles cover"),
+    of_file(GENERATE, "discs", ParameterKind::Number(limits::SHARE), "share of the obstacles that are discs"),
+    of_file(
+        GENERATE,
+        "along_walls",
+        ParameterKind::Number(limits::SHARE),
+        "share of the obstacles that stand along walls",
+    ),
+    of_file(GENERATE, "clearance", ParameterKind::Number(limits::CLEARANCE), "what the route keeps off obstacles, m"),
+    of_file(GENERATE, "wall_thickness", ParameterKind::Number(limits::THICKNESS), "thickness of walls, m"),
+    of_file("robot", "radius", ParameterKind::Number(limits::RADIUS), "radius of the robot, m"),
+    of_file("robot", "speed", ParameterKind::Number(limits::SPEED), "speed of the robot, m/s"),
+    of_file(
+        "robot",
+        "turn_rate_deg",
+        ParameterKind::Number(limits::TURN_RATE),
+        "rate at which it turns, degrees per s",
+    ),
+    of_file("robot", "scan_interval", ParameterKind::Number(limits::INTERVAL), "time between scans, s"),
+    of_file("camera", "columns", ParameterKind::Whole(limits::COLUMNS), "columns of the image"),
+    of_file(
+        "camera",
+        "field_of_view_deg",
+        ParameterKind::Number(limits::FIELD_OF_VIEW),
+        "horizontal field of view, degrees",
+    ),
+    of_file(
+        "sensor",
+        "focal_baseline",
+        ParameterKind::Number(limits::FOCAL_BASELINE),
+        "focal length times baseline, px m",
+    ),
+    of_file("sensor", "max_disparity", ParameterKind::Number(limits::SEARCH), "largest disparity searched, px"),
+    of_file("sensor", "correct_match", ParameterKind::Number(limits::PROBABILITY), "share of correct matches"),
+    of_file("sensor", "disparity_sigma", ParameterKind::Number(limits::SIGMA), "sigma of the disparities, px"),
     of_file(
         "sensor",
         "detection_rate",
-        Kind::Number(limits::PROBABILITY),
+        ParameterKind::Number(limits::PROBABILITY),
         "share of the columns with an edge to match",
     ),
     of_file(
         "sensor",
         "quantisation",
-        Kind::Number(limits::STEP),
+        ParameterKind::Number(limits::STEP),
         "step that disparities are rounded to, px; 0 for none",
     ),
-    of_file("sensor", MISMATCHES, Kind::Word(&[INDEPENDENT, "clustered"]), "how false matches come"),
-    of_file("sensor", "persistence", Kind::Number(limits::PROBABILITY), "of clustered mismatches: how long runs are"),
-    of_file("sensor", "copies", Kind::Number(limits::PROBABILITY), "of clustered mismatches: share of copies"),
+    of_file("sensor", MISMATCHES, ParameterKind::Word(&[INDEPENDENT, "clustered"]), "how false matches come"),
+    of_file(
+        "sensor",
+        "persistence",
+        ParameterKind::Number(limits::PROBABILITY),
+        "of clustered mismatches: how long runs are",
+    ),
+    of_file("sensor", "copies", ParameterKind::Number(limits::PROBABILITY), "of clustered mismatches: share of copies"),
     of_file(
         "sensor",
         "near_misses",
-        Kind::Number(limits::PROBABILITY),
+        ParameterKind::Number(limits::PROBABILITY),
         "of clustered mismatches: share of near misses",
     ),
-    of_file("sensor", "copy_reach", Kind::Whole(limits::REACH), "of clustered mismatches: reach of copies, columns"),
+    of_file(
+        "sensor",
+        "copy_reach",
+        ParameterKind::Whole(limits::REACH),
+        "of clustered mismatches: reach of copies, columns",
+    ),
     of_map(
         "scans",
         whole(1.0, 1e6, "a whole number of scans, 1 to 1000000", "give how many scans of the drive are mapped"),
@@ -154,14 +184,18 @@ pub const PARAMETERS: [Parameter; 47] = [
         number(0.001, 100.0, "a mean length in m, 0.001 to 100", "give the mean length of obstacles such as 0.4"),
         "expected mean length of obstacles, m: gives the correlation",
     ),
-    of_map("correlation_law", Kind::Word(&["scaled", "fixed"]), "correlation at other cell sizes"),
-    of_map("reconciliation", Kind::Word(&["all-edges", "touched"]), "edges that no ray runs along"),
+    of_map("correlation_law", ParameterKind::Word(&["scaled", "fixed"]), "correlation at other cell sizes"),
+    of_map("reconciliation", ParameterKind::Word(&["all-edges", "touched"]), "edges that no ray runs along"),
     of_map(
         "believed_correct_match",
-        Kind::Number(limits::PROBABILITY),
+        ParameterKind::Number(limits::PROBABILITY),
         "share of correct matches that mappers believe in",
     ),
-    of_map("believed_sigma", Kind::Number(limits::SIGMA), "sigma of the disparities that mappers believe in, px"),
+    of_map(
+        "believed_sigma",
+        ParameterKind::Number(limits::SIGMA),
+        "sigma of the disparities that mappers believe in, px",
+    ),
     of_map(
         "half_width",
         number(1e-3, 100.0, "a number of px, 0.001 to 100", "give half the bin of a reading, such as 0.5"),
@@ -220,7 +254,7 @@ pub fn overrides(settings: &Settings) -> Vec<Override<'_>> {
         let (Of::File(section), Some(value)) = (parameter.of, settings.get(parameter.key)) else { continue };
         let value = match (value, &parameter.kind) {
             (Value::Word(word), _) => Given::Word(word),
-            (Value::Number(number), Kind::Both(_)) => Given::Both(*number),
+            (Value::Number(number), ParameterKind::Both(_)) => Given::Both(*number),
             (Value::Number(number), _) => Given::Number(*number),
         };
         overrides.push(Override { section, key: parameter.key, value });

@@ -42,7 +42,7 @@ struct Means {
     /// Names of the numbers that make lines.
     line: String,
     /// Sums over worlds, and their numbers; of bins of range and looks, over cells.
-    values: BTreeMap<Key, (f64, f64)>,
+    values: BTreeMap<PointKey, (f64, f64)>,
     /// All mappers.
     mappers: BTreeSet<String>,
     /// All combinations of words.
@@ -51,7 +51,7 @@ struct Means {
 
 /// What is drawn as one point.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-struct Key {
+struct PointKey {
     metric: &'static str,
     region: String,
     mapper: String,
@@ -234,7 +234,7 @@ fn read(path: &Path) -> Result<Option<Means>, Failure> {
         let joined = |columns: &[usize]| columns.iter().map(|at| row[*at].to_owned()).collect::<Vec<_>>().join(", ");
         for (metric, column) in metrics {
             let Ok(value) = row[column].parse::<f64>() else { continue };
-            let key = Key {
+            let key = PointKey {
                 metric,
                 region: row[region].to_owned(),
                 mapper: row[mapper].to_owned(),

@@ -5,14 +5,14 @@ use serde_json::json;
 use super::job::Job;
 use super::parameters::Value as Setting;
 use super::regions::{RANGE_BY_LOOKS, range_by_looks};
-use crate::commands::compare::criteria::CRITERIA;
 use crate::failure::Failure;
 use crate::output::table::{field, optional};
+use crate::worlds::criteria::CRITERIA;
 use crate::worlds::run::{Ground, Trial};
 
 /// A map in a region, or what went wrong instead.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Row {
+pub struct SweepRow {
     /// Name of the mapper; empty where the world was not made.
     pub mapper: String,
     /// Name of the region; empty with an error.
@@ -25,7 +25,7 @@ pub struct Row {
     pub error: String,
 }
 
-impl Row {
+impl SweepRow {
     /// What stands for a mapper's rows when it failed.
     pub fn failed(mapper: &str, error: &str) -> Self {
         let error = error.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -60,14 +60,14 @@ pub fn columns(keys: &[String]) -> Vec<String> {
 ///
 /// # Errors
 /// A map that holds something else than probabilities.
-pub fn rows(job: &Job, ground: &Ground, trial: &Trial) -> Result<Vec<Row>, Failure> {
+pub fn rows(job: &Job, ground: &Ground, trial: &Trial) -> Result<Vec<SweepRow>, Failure> {
     let mut rows = Vec::new();
     for run in &trial.runs {
         let Some(last) = run.stages.len().checked_sub(1) else {
             return Err(Failure::Internal(format!("{} was never scored", run.mapper)));
         };
         let metric = |region: &str, name: &str| trial.metric(run.mapper, last, region, name);
-        let row = |region: String, cells, values| Row {
+        let row = |region: String, cells, values| SweepRow {
             mapper: run.mapper.to_owned(),
             region,
             cells,

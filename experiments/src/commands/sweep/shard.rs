@@ -1,42 +1,30 @@
-//! Results of a shard: rows, and a last line that says that they are whole and whose they are.
-//!
-//! A result is written under another name, synced and renamed, so that it is there whole or not at all. Whoever runs a
-//! shard, however often and wherever at the same time, writes the same bytes: the last one to rename changes nothing.
+//! Results of a shard: its rows, sealed with the manifest that they are of.
 
-use std::fs::{self, File};
-use std::io::{self, BufRead as _, BufReader, Write};
+use std::fs;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use super::manifest::Manifest;
 use crate::failure::Failure;
-use crate::output::digest::{Running, hex, sha256};
-use crate::output::{publication, single};
+use crate::jobs::seal;
+use crate::output::publication;
 
-/// The last line, after `# `.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Trailer {
-    manifest: String,
+pub use crate::jobs::seal::State;
+
+/// Names a shard in its seal.
+#[derive(Debug, Serialize)]
+struct Shard<'a> {
+    manifest: &'a str,
     shard: u32,
     jobs: u64,
-    rows: u64,
-    sha256: String,
 }
 
-/// What there is of a shard.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum State {
-    /// Whole.
-    Done {
-        /// Number of rows.
-        rows: u64,
-    },
-    /// Nothing.
-    Missing,
-    /// A file that is cut short, changed, or of another manifest.
-    Invalid,
+impl<'a> Shard<'a> {
+    fn of(manifest: &'a Manifest, shard: u32) -> Self {
+        Self { manifest: &manifest.digest, shard, jobs: manifest.jobs_of(shard) }
+    }
 }
 
 /// The file of a shard's result.
@@ -49,57 +37,15 @@ pub fn path(folder: &Path, shard: u32) -> PathBuf {
 /// # Errors
 /// Whatever the system reports, a full disk for example; nothing is left then.
 pub fn write(manifest: &Manifest, shard: u32, rows: &[u8]) -> Result<(), Failure> {
-    let target = path(&manifest.folder, shard);
-    let trailer = Trailer {
-        manifest: manifest.digest.clone(),
-        shard,
-        jobs: manifest.jobs_of(shard),
-        rows: rows.iter().filter(|byte| **byte == b'\n').count() as u64,
-        sha256: hex(&sha256(rows)),
-    };
-    let trailer = serde_json::to_string(&trailer).map_err(Failure::internal)?;
-    let folder = target.parent().map_or(Ok(()), fs::create_dir_all);
-    let written = folder.and_then(|()| {
-        single::whole(&target, |out| {
-            out.write_all(rows)?;
-            writeln!(out, "# {trailer}")
-        })
-    });
-    written.map_err(|e| Failure::write(&target, &e))
+    seal::write(&path(&manifest.folder, shard), &Shard::of(manifest, shard), rows)
 }
 
-/// Copies the rows of a shard to `out` and says what the file is. Where it is not whole, what was copied is worth nothing.
+/// Copies the rows of a shard to `out` and gives the state of the file. What was copied of a file that is not whole is worth nothing.
 ///
 /// # Errors
 /// An `out` that cannot be written.
 pub fn copy(manifest: &Manifest, shard: u32, out: &mut impl Write) -> io::Result<State> {
-    let Ok(file) = File::open(path(&manifest.folder, shard)) else { return Ok(State::Missing) };
-    let mut reader = BufReader::new(file);
-    let (mut digest, mut rows) = (Running::default(), 0);
-    let mut line = Vec::new();
-    loop {
-        line.clear();
-        match reader.read_until(b'\n', &mut line) {
-            Err(_) | Ok(0) => return Ok(State::Invalid), // without a last line
-            Ok(_) => {}
-        }
-        if let Some(text) = line.strip_prefix(b"# ") {
-            let trailer: Option<Trailer> = serde_json::from_slice(text).ok();
-            let expected = Trailer {
-                manifest: manifest.digest.clone(),
-                shard,
-                jobs: manifest.jobs_of(shard),
-                rows,
-                sha256: digest.hex(),
-            };
-            let last = reader.read_until(b'\n', &mut Vec::new()).is_ok_and(|read| read == 0);
-            let whole = last && line.ends_with(b"\n") && trailer == Some(expected);
-            return Ok(if whole { State::Done { rows } } else { State::Invalid });
-        }
-        digest.add(&line);
-        rows += 1;
-        out.write_all(&line)?;
-    }
+    seal::copy(&path(&manifest.folder, shard), &Shard::of(manifest, shard), out)
 }
 
 /// What there is of a shard.
@@ -187,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn a_result_counts_only_as_it_was_written() {
+    fn a_result_counts_only_for_its_manifest() {
         let folder = tempfile::tempdir().expect("temporary folder");
         let manifest = planned(folder.path(), 1);
         assert_eq!(state(&manifest, 0), State::Missing);
@@ -198,24 +144,6 @@ mod tests {
         copy(&manifest, 0, &mut copied).expect("copied");
         assert_eq!(copied, rows);
 
-        let file = path(folder.path(), 0);
-        let good = fs::read(&file).expect("there");
-        for length in 0..good.len() {
-            fs::write(&file, &good[..length]).expect("writable");
-            assert_eq!(state(&manifest, 0), State::Invalid, "the first {length} bytes");
-        }
-        for at in 0..good.len() {
-            let mut bytes = good.clone();
-            bytes[at] ^= 1;
-            fs::write(&file, &bytes).expect("writable");
-            assert_eq!(state(&manifest, 0), State::Invalid, "byte {at} flipped");
-        }
-        for more in [&b"\n"[..], b"x", b"0d,room,4,\n"] {
-            fs::write(&file, [&good, more].concat()).expect("writable");
-            assert_eq!(state(&manifest, 0), State::Invalid, "{more:?} behind it");
-        }
-        fs::write(&file, &good).expect("writable");
-        assert_eq!(state(&manifest, 0), State::Done { rows: 3 });
         assert_eq!(state(&planned(folder.path(), 2), 0), State::Invalid, "of another manifest");
     }
 

@@ -14,10 +14,10 @@ use self::batch::{Array, arrays, script};
 use super::manifest::Manifest;
 use super::options::SlurmOptions;
 use super::shard::State;
-use super::{outcome, say, shard};
+use super::{outcome, shard};
 use crate::failure::Failure;
 use crate::jobs::interruption;
-use crate::output::table;
+use crate::output::{note, table};
 
 /// Submits what is not done, follows it, and submits again what failed, for so many rounds; then merges and draws.
 ///
@@ -61,7 +61,7 @@ pub(super) fn run(options: &SlurmOptions) -> Result<(), Failure> {
         }
         for array in arrays(&missing, limit) {
             let job = queue::submit(&text(&array), &options.sbatch)?;
-            say(&format!("round {}: job {job}, {} shards", round + 1, array.indices.len()));
+            note(format_args!("round {}: job {job}, {} shards", round + 1, array.indices.len()));
             queue::remember(&manifest, &job)?;
             jobs.insert(job);
         }
@@ -92,7 +92,7 @@ fn follow(manifest: &Manifest, jobs: &mut BTreeSet<String>, options: &SlurmOptio
             return Ok(()); // what is left of the tasks finds its shards done
         }
         if missing.len() != said {
-            say(&format!("{} of {} shards are not done", missing.len(), manifest.head.shards));
+            note(format_args!("{} of {} shards are not done", missing.len(), manifest.head.shards));
             said = missing.len();
         }
         if jobs.is_empty() {

@@ -7,9 +7,9 @@ use score::{Region, Scorer, Sightings};
 
 use super::candidates::{Candidate, Tuned};
 use super::clamps;
-use crate::commands::compare::world::{Belief, Job};
 use crate::failure::Failure;
 use crate::worlds::run::look;
+use crate::worlds::site::{Assumptions, Site, WorldId};
 
 /// The error of a map over the observable region at the end of the drive.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -22,7 +22,7 @@ pub struct Errors {
 
 /// How the candidates of a mapper did.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Fit {
+pub struct TunedFit {
     /// The mapper.
     pub tuned: Tuned,
     /// Number of worlds.
@@ -34,11 +34,11 @@ pub struct Fit {
 /// Maps a world by every candidate and scores the maps.
 ///
 /// # Errors
-/// As [`Job::ground`]; a mapper that gives something else than probabilities; a world in which nothing
+/// As [`Site::of_family`]; a mapper that gives something else than probabilities; a world in which nothing
 /// could be seen.
-pub fn errors(job: &Job, family: &Family, belief: &Belief, candidates: &[Candidate]) -> Result<Vec<Errors>, Failure> {
-    let (ground, setup) = job.ground(family, belief)?;
-    let simulation = scene::simulate(&ground.scene, &ground.world, &ground.drive, job.seed);
+pub fn errors(world: &WorldId, family: &Family, candidates: &[Candidate]) -> Result<Vec<Errors>, Failure> {
+    let Site { ground, setup } = Site::of_family(family, world, &Assumptions::default())?;
+    let simulation = scene::simulate(&ground.scene, &ground.world, &ground.drive, world.seed);
     let mut seen = Sightings::new(&ground.truth);
     simulation.scans.iter().for_each(|simulated| look(&mut seen, simulated));
     let mask = seen.mask(Region::Observable);
@@ -46,7 +46,7 @@ pub fn errors(job: &Job, family: &Family, belief: &Belief, candidates: &[Candida
     let score = |map: &Raster<f64>| {
         let scores = scorer.scores(map, &mask)?;
         let (Some(log_loss), Some(brier)) = (scores.log_loss.value, scores.brier.value) else {
-            return Err(Failure::Internal(format!("{}: nothing could be seen", job.place())));
+            return Err(Failure::Internal(format!("{world}: nothing could be seen")));
         };
         Ok(Errors { log_loss, brier })
     };
@@ -68,7 +68,7 @@ pub fn errors(job: &Job, family: &Family, belief: &Belief, candidates: &[Candida
     Ok(errors)
 }
 
-impl Fit {
+impl TunedFit {
     /// The means over worlds, each of which has the errors of every candidate in order.
     pub fn new(tuned: Tuned, candidates: &[Candidate], worlds: &[&[Errors]]) -> Self {
         let mean = |number: usize| {
@@ -106,7 +106,7 @@ mod tests {
         let candidates = &Tuned::Mrf.candidates()[..4];
         let errors = |losses: [f64; 4]| losses.map(|log_loss| Errors { log_loss, brier: 2.0 * log_loss });
         let [first, second] = [errors([0.5, 0.125, 0.25, 0.875]), errors([0.125, 0.5, 0.25, 0.125])];
-        let fit = Fit::new(Tuned::Mrf, candidates, &[&first, &second]);
+        let fit = TunedFit::new(Tuned::Mrf, candidates, &[&first, &second]);
         assert_eq!(fit.worlds, 2);
         let expected = [0.3125, 0.3125, 0.25, 0.5];
         for ((_, errors), expected) in fit.candidates.iter().zip(expected) {

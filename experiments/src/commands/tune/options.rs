@@ -6,8 +6,8 @@ use clap::Args;
 use scene::Set;
 
 use super::candidates::Tuned;
-use crate::cli::{Format, MOST_THREADS, count};
-use crate::commands::compare::options::FAMILIES;
+use crate::output::args::{Format, ThreadsOption, count};
+use crate::worlds::scenes::FAMILIES;
 
 /// Options of `tune`.
 #[derive(Debug, Args)]
@@ -27,7 +27,7 @@ pub struct TuneOptions {
     /// Form of the table on stdout; csv and json give all candidates
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
-    /// Threads to use, all processors if not given; results do not depend on it
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = count(MOST_THREADS))]
-    pub threads: Option<u32>,
+    /// How many threads work
+    #[command(flatten)]
+    pub threads: ThreadsOption,
 }

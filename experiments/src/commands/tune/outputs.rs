@@ -1,41 +1,43 @@
 //! What `tune` leaves behind and prints.
 
 use std::fmt::Write as _;
-use std::io::{self, Write as _};
+use std::io::Write as _;
 
-use serde_json::{Value, json};
+use mapper::Prior;
+use serde_json::json;
 
 use super::candidates::Candidate;
-use super::fit::Fit;
-use super::{BATCH_SEEDS, TuneOptions, belief};
+use super::fit::{Errors, TunedFit};
+use super::{BATCH_SEEDS, TuneOptions, figure};
 use crate::failure::Failure;
-use crate::figures;
 use crate::output::folder::Staging;
-use crate::output::record::versions;
+use crate::output::record::Record;
 use crate::output::table::{Table, aligned, rounded};
 
 /// So many candidates of each mapper are printed for reading.
 const SHOWN: usize = 5;
 
 /// Every candidate in the order of the grids.
-pub fn table(fits: &[Fit]) -> Table {
-    let heads = ["mapper", "reconciliation"].into_iter().chain(Candidate::PARAMETERS);
-    let heads: Vec<&str> = heads.chain(["worlds", "log_loss", "brier", "best"]).collect();
-    let mut table = Table::new(&heads);
+pub fn table(fits: &[TunedFit]) -> Table {
+    let mut rows: Vec<(&TunedFit, Candidate, Errors)> = Vec::new();
     for fit in fits {
-        let best = fit.best();
-        for (candidate, errors) in &fit.candidates {
-            let mut row = vec![json!(fit.tuned.name()), json!(candidate.reconciliation())];
-            row.extend(candidate.parameters().map(Value::from));
-            row.extend([json!(fit.worlds), rounded(errors.log_loss), rounded(errors.brier), json!(*candidate == best)]);
-            table.push(row);
-        }
+        rows.extend(fit.candidates.iter().map(|(candidate, errors)| (fit, *candidate, *errors)));
     }
-    table
+    Table::of(
+        &rows,
+        &[("mapper", &|row| json!(row.0.tuned.name())), ("reconciliation", &|row| json!(row.1.reconciliation()))],
+    )
+    .with(&rows, &Candidate::PARAMETERS, |row, number| json!(row.1.parameters()[number]))
+    .with(&rows, &["worlds", "log_loss", "brier", "best"], |(fit, candidate, errors), number| match number {
+        0 => json!(fit.worlds),
+        1 => rounded(errors.log_loss),
+        2 => rounded(errors.brier),
+        _ => json!(*candidate == fit.best()),
+    })
 }
 
 /// The best candidates of each mapper, and what is to be made of the first.
-pub fn text(fits: &[Fit], options: &TuneOptions) -> String {
+pub fn text(fits: &[TunedFit], options: &TuneOptions) -> String {
     let mut rows = Vec::new();
     for fit in fits {
         for (place, (candidate, errors)) in fit.ranking().iter().take(SHOWN).enumerate() {
@@ -61,7 +63,7 @@ pub fn text(fits: &[Fit], options: &TuneOptions) -> String {
 }
 
 /// Whether the best candidate is what the catalogue has, and whether the grid holds it.
-fn remark(fit: &Fit) -> String {
+fn remark(fit: &TunedFit) -> String {
     let (best, built_in) = (fit.best(), fit.tuned.built_in());
     let mut remark = if best == built_in { ", as built in".to_owned() } else { format!("\n  built in is {built_in}") };
     let candidates: Vec<Candidate> = fit.candidates.iter().map(|(candidate, _)| *candidate).collect();
@@ -79,26 +81,21 @@ pub(super) const FILES: [&str; 2] = ["tuning.csv", "tuning.png"];
 ///
 /// # Errors
 /// A drawing that fails; a file that cannot be written.
-pub fn write(staging: &mut Staging, fits: &[Fit], options: &TuneOptions) -> Result<(), Failure> {
-    staging.write("tuning.csv", |out| table(fits).write_csv(out).map_err(io::Error::other))?;
-    if let Some(picture) = figures::tuning::draw(fits)? {
+pub fn write(staging: &mut Staging, fits: &[TunedFit], options: &TuneOptions) -> Result<(), Failure> {
+    table(fits).save(staging, "tuning.csv")?;
+    if let Some(picture) = figure::draw(fits)? {
         staging.write("tuning.png", |out| out.write_all(&picture))?;
     }
     let chosen = fits.iter().map(|fit| (fit.tuned.name().to_owned(), json!(fit.best().to_string())));
-    let record = json!({
-        "schema_version": 1,
-        "command": "tune",
-        "configuration": {
-            "set": "tuning",
-            "families": options.families.iter().map(|path| path.display().to_string()).collect::<Vec<_>>(),
-            "seeds": options.seeds,
-            "batch_seeds": options.seeds.min(BATCH_SEEDS),
-            "mappers": fits.iter().map(|fit| fit.tuned.name()).collect::<Vec<_>>(),
-            "prior": belief().prior,
-            "criterion": "mean log loss over the observable region at the end of the drive",
-        },
-        "chosen": chosen.collect::<serde_json::Map<_, _>>(),
-        "versions": versions(),
+    let configuration = json!({
+        "set": "tuning",
+        "families": options.families.iter().map(|path| path.display().to_string()).collect::<Vec<_>>(),
+        "seeds": options.seeds,
+        "batch_seeds": options.seeds.min(BATCH_SEEDS),
+        "mappers": fits.iter().map(|fit| fit.tuned.name()).collect::<Vec<_>>(),
+        "prior": Prior::default(),
+        "criterion": "mean log loss over the observable region at the end of the drive",
     });
-    staging.record(&record)
+    let chosen = chosen.collect::<serde_json::Map<_, _>>();
+    staging.record(&Record::new("tune", json!({ "configuration": configuration, "chosen": chosen })))
 }

@@ -6,8 +6,8 @@ use proptest::prelude::*;
 use sensor::Pose;
 
 use super::*;
-use crate::output::record::Stage;
 use crate::page::Moment;
+use crate::worlds::run::Stage;
 
 fn decoded(code: i16) -> f64 {
     1.0 / (1.0 + (-f64::from(code) * STEP).exp())
@@ -60,7 +60,7 @@ proptest! {
 
 /// A world of `width` x `height` cells whose maps move as real ones do: the cells in view of the robot
 /// change by noise, the others stay.
-fn world(name: &str, width: usize, height: usize, mappers: usize, moments: usize) -> World {
+fn world(name: &str, width: usize, height: usize, mappers: usize, moments: usize) -> ViewedWorld {
     let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width, height };
     let mut state = 1u32;
     let mut noise = move || {
@@ -89,7 +89,7 @@ fn world(name: &str, width: usize, height: usize, mappers: usize, moments: usize
         };
         Mapped { name: format!("mapper-{number}"), frames: (0..moments).map(&mut frame).collect(), scores: Vec::new() }
     };
-    World {
+    ViewedWorld {
         name: name.to_owned(),
         seed: 1,
         grid,

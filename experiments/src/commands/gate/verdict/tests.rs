@@ -1,10 +1,11 @@
 use super::*;
-use crate::commands::compare::criteria::criterion;
+use crate::worlds::criteria::criterion;
 
 const SEEDS: u64 = 8;
 
 fn gate(metric: &str, demand: Demand) -> Gate {
-    let world = |seed| World { family: format!("f{}", seed % 2), condition: "as-believed", cell_um: None, seed };
+    let world =
+        |seed| WorldId { family: format!("f{}", seed % 2), condition: "as-believed".to_owned(), cell_um: None, seed };
     Gate {
         name: "g".to_owned(),
         mapper: "ours".to_owned(),

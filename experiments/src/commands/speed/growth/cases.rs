@@ -6,7 +6,7 @@ use grid::GridSpec;
 use mapper::catalogue::Setup;
 use sensor::{Camera, Pose, Scan, Stereo};
 
-use super::{Against, Sizes};
+use super::curve::{Against, Sizes};
 use crate::commands::speed::hall::{Hall, RAYS, SCANS};
 use crate::commands::speed::scans::ScanSet;
 use crate::failure::Failure;
@@ -22,7 +22,7 @@ const DEPTH_M: f64 = 2.0;
 const STRIDE: usize = 139;
 
 /// A map to be made, and what from.
-pub(super) struct Case {
+pub(super) struct GrowthCase {
     /// Empty map and belief.
     pub(super) setup: Setup,
     /// The scans to map.
@@ -31,7 +31,7 @@ pub(super) struct Case {
     pub(super) sizes: Vec<f64>,
 }
 
-impl Case {
+impl GrowthCase {
     /// The cases of one axis, the smallest first.
     pub(super) fn all(against: Against, sizes: &Sizes, hall: &Hall) -> Result<Vec<Self>, Failure> {
         let around = |set: &ScanSet| set.grid(CELL_M).map_err(Failure::Internal);
@@ -60,16 +60,16 @@ impl Case {
 }
 
 /// A row of cells, and a ray along it that ends in the middle of the last.
-fn row(cells: usize) -> Case {
+fn row(cells: usize) -> GrowthCase {
     let grid = GridSpec { cell_m: CELL_M, origin_m: [0.0; 2], width: cells, height: 1 };
     let mut set = ScanSet::default();
     set.begin(Pose { x_m: 0.5 * CELL_M, y_m: 0.5 * CELL_M, theta_rad: 0.0 });
     set.ray(0.0, Some(CELL_M * cells.saturating_sub(1) as f64));
-    Case::new(grid, set.scans, vec![cells as f64])
+    GrowthCase::new(grid, set.scans, vec![cells as f64])
 }
 
 /// A square map with the sensor in its middle, in front of a wall.
-fn square(cells: usize) -> Case {
+fn square(cells: usize) -> GrowthCase {
     let side = (cells as f64).sqrt().round() as usize;
     let grid = GridSpec { cell_m: CELL_M, origin_m: [-0.5 * CELL_M * side as f64; 2], width: side, height: side };
     let mut set = ScanSet::default();
@@ -78,7 +78,7 @@ fn square(cells: usize) -> Case {
     for bearing in camera.bearings_rad() {
         set.ray(bearing, Some(DEPTH_M / libm::cos(bearing)));
     }
-    Case::new(grid, set.scans, vec![(side * side) as f64])
+    GrowthCase::new(grid, set.scans, vec![(side * side) as f64])
 }
 
 #[cfg(test)]
@@ -102,7 +102,7 @@ mod tests {
     #[test]
     fn the_scans_of_the_drive_are_all_there_in_another_order() {
         let hall = Hall::new().expect("valid");
-        let case = Case::all(Against::Scans, &Sizes::default(), &hall).expect("small").remove(0);
+        let case = GrowthCase::all(Against::Scans, &Sizes::default(), &hall).expect("small").remove(0);
         let times = |scans: &[Scan]| {
             let mut times: Vec<f64> = scans.iter().map(|scan| scan.time_s).collect();
             times.sort_by(f64::total_cmp);

@@ -3,7 +3,7 @@
 use plotters::prelude::SeriesLabelPosition;
 use serde_json::json;
 
-use super::{Against, Curve};
+use super::curve::{Against, Curve};
 use crate::commands::speed::tables::grouped;
 use crate::failure::Failure;
 use crate::figures::chart::{self, Axis, Chart, Mark, Series};
@@ -12,14 +12,20 @@ use crate::output::table::{Table, aligned, optional, rounded};
 
 /// One row per mapper, axis and size; the exponent is that of the whole curve.
 pub fn table(curves: &[Curve]) -> Table {
-    let mut table = Table::new(&["mapper", "against", "size", "seconds", "exponent"]);
+    let mut rows = Vec::new();
     for curve in curves {
-        for (size, seconds) in &curve.points {
-            let (mapper, against) = (json!(curve.mapper), json!(curve.against.name()));
-            table.push(vec![mapper, against, json!(*size as u64), rounded(*seconds), optional(curve.exponent())]);
-        }
+        rows.extend(curve.points.iter().map(|point| (curve, *point)));
     }
-    table
+    Table::of(
+        &rows,
+        &[
+            ("mapper", &|(curve, _)| json!(curve.mapper)),
+            ("against", &|(curve, _)| json!(curve.against.name())),
+            ("size", &|(_, (size, _))| json!(*size as u64)),
+            ("seconds", &|(_, (_, seconds))| rounded(*seconds)),
+            ("exponent", &|(curve, _)| optional(curve.exponent())),
+        ],
+    )
 }
 
 /// For reading, a row per mapper, at most 80 columns wide: exponents, and times at the largest sizes.

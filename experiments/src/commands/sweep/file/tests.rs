@@ -1,5 +1,5 @@
 use super::*;
-use crate::commands::sweep::parameters::Kind;
+use crate::commands::sweep::parameters::ParameterKind;
 
 fn axes(text: &str) -> Result<Sweep, SceneError> {
     parse(&format!("scene = \"a.toml\"\nmappers = [\"prior\"]\n{text}"), "s.toml")
@@ -42,10 +42,10 @@ fn every_combination_once_and_pairs_together() {
 fn every_parameter_is_refused_beyond_its_bounds_with_its_place() {
     for parameter in &PARAMETERS {
         let (wrong, bound) = match &parameter.kind {
-            Kind::Number(limit) | Kind::Both(limit) | Kind::Whole(limit) => {
+            ParameterKind::Number(limit) | ParameterKind::Both(limit) | ParameterKind::Whole(limit) => {
                 (vec!["-1.0", "1e9", "nan", "\"x\"", "true"], limit.bound)
             }
-            Kind::Word(_) => (vec!["1", "\"x\"", "[]"], "one of "),
+            ParameterKind::Word(_) => (vec!["1", "\"x\"", "[]"], "one of "),
         };
         for value in wrong {
             for (section, given) in [("set", value.to_owned()), ("vary", format!("[{value}]"))] {

@@ -4,7 +4,7 @@ use scene::SceneError;
 use scene::reader::{Limit, Table, Value as Node, number};
 
 use super::Axis;
-use crate::commands::sweep::parameters::{Kind, PARAMETERS, Parameter, Settings, Value};
+use crate::commands::sweep::parameters::{PARAMETERS, Parameter, ParameterKind, Settings, Value};
 
 const STEPS: Limit = Limit {
     min: 2.0,
@@ -75,7 +75,9 @@ pub(super) fn values(table: &Table, parameter: &'static Parameter, node: &Node) 
 /// `{ from, to, steps }`, both ends included; with `log = true` in equal ratios.
 fn range(table: &Table, parameter: &'static Parameter, node: &Node) -> Result<Vec<Value>, SceneError> {
     let key = parameter.key;
-    let (Kind::Number(limit) | Kind::Both(limit), Some(range)) = (&parameter.kind, table.section(key)?) else {
+    let (ParameterKind::Number(limit) | ParameterKind::Both(limit), Some(range)) =
+        (&parameter.kind, table.section(key)?)
+    else {
         return Err(table.refuse(key, node, "a list", "a range is for numbers; write the values like [a, b]"));
     };
     range.only(&["from", "to", "steps", "log"])?;
@@ -108,8 +110,8 @@ fn value(table: &Table, parameter: &'static Parameter, node: &Node) -> Result<Va
         number.map(Value::Number).ok_or_else(|| table.refuse(key, node, limit.bound, limit.remedy))
     };
     match &parameter.kind {
-        Kind::Number(limit) | Kind::Both(limit) => numeric(limit, false),
-        Kind::Whole(limit) => numeric(limit, true),
-        Kind::Word(known) => table.word(key, node, known).map(|word| Value::Word(word.to_owned())),
+        ParameterKind::Number(limit) | ParameterKind::Both(limit) => numeric(limit, false),
+        ParameterKind::Whole(limit) => numeric(limit, true),
+        ParameterKind::Word(known) => table.word(key, node, known).map(|word| Value::Word(word.to_owned())),
     }
 }

@@ -8,7 +8,7 @@ use super::{Head, Line, MANIFEST, Manifest, shard_of};
 use crate::commands::sweep::file::Sweep;
 use crate::commands::sweep::job::Job;
 use crate::commands::sweep::parameters::{Of, Value, parameter};
-use crate::commands::sweep::site::Site;
+use crate::commands::sweep::source::SourceFile;
 use crate::failure::Failure;
 use crate::output::digest::{Running, build};
 use crate::output::single::Temporary;
@@ -45,7 +45,8 @@ struct Place {
 /// A file of the sweep that cannot be read; another manifest in the folder, unless `replace`; I/O.
 pub fn plan(sweep: &Sweep, folder: &Path, shards: Option<u32>, replace: Replace) -> Result<Manifest, Failure> {
     let families = sweep.of_families;
-    let sites: Vec<Site> = sweep.sites.iter().map(|path| site(sweep, path, families)).collect::<Result<_, _>>()?;
+    let sites: Vec<SourceFile> =
+        sweep.sites.iter().map(|path| site(sweep, path, families)).collect::<Result<_, _>>()?;
     let settings_count = sweep.settings_count().unwrap_or(0);
     let jobs = sweep.jobs().unwrap_or(0);
     let job = |number: u64| {
@@ -122,8 +123,8 @@ pub fn plan(sweep: &Sweep, folder: &Path, shards: Option<u32>, replace: Replace)
 }
 
 /// A place of the sweep, in which all of the sweep's settings are possible.
-fn site(sweep: &Sweep, path: &Path, families: bool) -> Result<Site, Failure> {
-    let (site, source) = Site::open(path, families)?;
+fn site(sweep: &Sweep, path: &Path, families: bool) -> Result<SourceFile, Failure> {
+    let (site, source) = SourceFile::open(path, families)?;
     let of_file = |key: &str| parameter(key).is_some_and(|parameter| matches!(parameter.of, Of::File(_)));
     let axes = sweep.axes.iter().filter(|axis| axis.keys.iter().any(|key| of_file(key))).cloned().collect();
     let mut narrowed = Sweep { axes, ..sweep.clone() };

@@ -1,4 +1,4 @@
-//! The page of a folder that `compare` left.
+//! The page of a folder that `compare` left, made anew.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -8,16 +8,15 @@ use mapper::Prior;
 use serde::Deserialize;
 use serde_json::Value;
 
-use super::source::Folder;
-use crate::cli::Format;
-use crate::commands::compare::options::{CompareOptions, Worlds};
-use crate::commands::compare::plan::Plan;
-use crate::commands::compare::rows::{self, Rows};
-use crate::commands::compare::{document, outputs, showcase, tables};
+use super::figures::CAPTIONS;
+use super::options::{CompareOptions, Worlds};
+use super::plan::Plan;
+use super::rows::{self, Rows};
+use super::{document, outputs, showcase, tables};
 use crate::failure::Failure;
-use crate::figures::comparison::CAPTIONS;
+use crate::output::args::{Format, ThreadsOption};
 use crate::output::ledger::RECORD;
-use crate::page;
+use crate::page::{self, Folder};
 
 /// What the page of a comparison needs of its record.
 #[derive(Deserialize)]
@@ -39,14 +38,15 @@ struct Configuration {
 }
 
 /// The page, from the folder's tables; the worlds to look into are mapped again.
-pub(super) fn page(folder: &Folder, record: &Value) -> Result<String, Failure> {
+///
+/// # Errors
+/// A folder that `compare` did not leave, or whose numbers this program does not find again.
+pub fn page(folder: &Folder, record: &Value) -> Result<String, Failure> {
     let Made { configuration: made } = folder.understand(record)?;
     let plan = plan(folder, made)?;
     folder.same_configuration(record, &outputs::record(&plan))?;
     let (viewer, worlds) = showcase::look(&plan)?;
-    let mut scores = Vec::new();
-    tables::scores(&worlds).write_csv(&mut scores).map_err(Failure::internal)?;
-    holds(folder, "scores.csv", &scores)?;
+    holds(folder, "scores.csv", &tables::scores(&worlds).csv()?)?;
     let rows = Rows {
         means: table(folder, "summary.csv")?,
         differences: table(folder, "differences.csv")?,
@@ -57,7 +57,7 @@ pub(super) fn page(folder: &Folder, record: &Value) -> Result<String, Failure> {
 }
 
 fn plan(folder: &Folder, made: Configuration) -> Result<Plan, Failure> {
-    let belief = folder.belief(&made.prior, &made.reconciliation)?;
+    let prior = folder.prior(&made.prior, &made.reconciliation)?;
     let Ok(set) = Worlds::from_str(&made.set, false) else {
         return Err(folder.refuse(RECORD, &format!("names a set {:?} that this program does not know", made.set)));
     };
@@ -68,10 +68,10 @@ fn plan(folder: &Folder, made: Configuration) -> Result<Plan, Failure> {
         batch_seeds: Some(made.batch_seeds),
         mappers: made.mappers,
         quick: false,
-        belief,
+        prior,
         out: None,
         format: Format::Text,
-        threads: None,
+        threads: ThreadsOption::default(),
     };
     Ok(Plan { repeats: made.repeats, repeated_scans: made.repeated_scans, ..Plan::new(&options)? })
 }

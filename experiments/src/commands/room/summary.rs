@@ -4,10 +4,9 @@ use std::fmt::Write as _;
 
 use score::Summary;
 
-use crate::output::record::Stage;
 use crate::output::table::aligned;
-use crate::worlds::claims::Claim;
-use crate::worlds::run::{Ground, Trial};
+use crate::worlds::claims::{self, Claim};
+use crate::worlds::run::{Ground, Stage, Trial};
 
 /// A column of a summary table: heading, metric, decimals.
 type Column = (&'static str, &'static str, usize);
@@ -31,7 +30,7 @@ const REGION: [Column; 5] = [
 ];
 
 /// Tables of the last stage over what was observable and in every named region, then the claims.
-pub fn text(ground: &Ground, trials: &[Trial], stages: &[Stage], claims: &[Claim]) -> String {
+pub(super) fn text(ground: &Ground, trials: &[Trial], stages: &[Stage], claims: &[Claim]) -> String {
     let mut text = String::new();
     let (Some(stage), Some(first)) = (stages.last(), trials.first()) else { return text };
     let last = stages.len() - 1;
@@ -71,15 +70,11 @@ pub fn text(ground: &Ground, trials: &[Trial], stages: &[Stage], claims: &[Claim
     for region in &ground.scene.regions {
         section(&format!("free cells of region {}", region.name), &region.name, &REGION);
     }
-    for claim in claims {
-        let verdict = if claim.holds { "holds" } else { "FAILS" };
-        let _ = writeln!(text, "{verdict}  {}: {}", claim.claim, claim.measured);
-    }
-    text
+    text + &claims::lines(claims)
 }
 
 /// A metric over those seeds in which it has a value.
-pub fn over_seeds(trials: &[Trial], mapper: &str, stage: usize, region: &str, metric: &str) -> Option<Summary> {
+pub(super) fn over_seeds(trials: &[Trial], mapper: &str, stage: usize, region: &str, metric: &str) -> Option<Summary> {
     let values = trials.iter().filter_map(|trial| trial.metric(mapper, stage, region, metric)?.value);
     Summary::of(&values.collect::<Vec<_>>())
 }
@@ -95,6 +90,6 @@ fn deviation(summary: Option<Summary>, decimals: usize) -> String {
 }
 
 /// Mean and, of more than one seed, standard deviation as one text.
-pub fn spread(summary: Option<Summary>, decimals: usize) -> String {
+pub(super) fn spread(summary: Option<Summary>, decimals: usize) -> String {
     format!("{} {}", mean(summary, decimals), deviation(summary, decimals)).trim_end().to_owned()
 }

@@ -2,12 +2,14 @@
 
 use plotters::prelude::*;
 
-use super::chart::{self, Axis, Chart, Mark, Series};
-use super::ink::LINES;
-use crate::commands::ray::{Answer, Answers, ViewingRay};
+use super::answer::{Answer, Answers};
+use super::certainty::{IN_FRONT, Point};
+use super::viewing_ray::ViewingRay;
 use crate::failure::Failure;
+use crate::figures::chart::{self, Axis, Chart, Mark, Series};
+use crate::figures::ink::{FAINT, LINES};
 
-const SIZE: (u32, u32) = (760, 640);
+const ANSWERS: (u32, u32) = (760, 640);
 
 /// The paper's grey curve.
 const PRIOR: RGBColor = RGBColor(196, 196, 196);
@@ -24,7 +26,11 @@ const MARKS: [(&str, Mark, RGBColor); 4] = [
 ///
 /// # Errors
 /// A drawing that fails.
-pub fn draw(ray: &ViewingRay, answers: &Answers, bands: &[((usize, usize), &str)]) -> Result<Vec<u8>, Failure> {
+pub(super) fn answers(
+    ray: &ViewingRay,
+    answers: &Answers,
+    bands: &[((usize, usize), &str)],
+) -> Result<Vec<u8>, Failure> {
     let cells = Axis::linear("cell", 0.0..ray.cells().max(2) as f64);
     let series = |value: &dyn Fn(&Answer, usize) -> Option<f64>| -> Vec<Series> {
         let drawn = MARKS.iter().filter_map(|&(name, mark, colour)| {
@@ -56,7 +62,7 @@ pub fn draw(ray: &ViewingRay, answers: &Answers, bands: &[((usize, usize), &str)
         series: posteriors,
         legend: SeriesLabelPosition::UpperRight,
     };
-    chart::draw(&[ratios, posterior], SIZE)
+    chart::draw(&[ratios, posterior], ANSWERS)
 }
 
 /// Whole powers of ten around all likelihood ratios, but no more than three on either side of one: what is beyond is as good as certain.
@@ -67,4 +73,34 @@ fn ratios_shown(answers: &Answers) -> std::ops::Range<f64> {
         (low.min(power), high.max(power))
     });
     libm::pow(10.0, (low - 1e-9).floor())..libm::pow(10.0, (high + 1e-9).ceil())
+}
+
+const CERTAINTY: (u32, u32) = (1000, 640);
+
+/// Draws how certain an obstacle must be before a reading from behind it changes nothing, with the change that still counts as none.
+///
+/// # Errors
+/// A drawing that fails.
+pub(super) fn certainty(curve: &[Point], unchanged: f64) -> Result<Vec<u8>, Failure> {
+    let of = |in_front: f64, value: fn(&Point) -> f64| -> Vec<(f64, Option<f64>)> {
+        let kept = curve.iter().filter(|p| p.in_front.to_bits() == in_front.to_bits());
+        kept.map(|p| (1.0 - p.certainty, Some(value(p)))).collect()
+    };
+    let [unseen, cleared] = IN_FRONT;
+    let named = |name: &str, mark, colour, points| Series { name: name.to_owned(), points, mark, colour };
+    let chart = Chart {
+        title: "largest change of a posterior by a reading from behind the obstacle".to_owned(),
+        x: Axis::logarithmic("doubt: 1 - prior of the obstacle's cells", 1e-5..1.0),
+        y: Axis::logarithmic("largest change of a posterior", 1e-6..1.0),
+        bands: Vec::new(),
+        series: vec![
+            named("counts as unchanged", Mark::Dashes, FAINT, vec![(1e-5, Some(unchanged)), (1.0, Some(unchanged))]),
+            named("obstacle; unseen in front", Mark::Ring, LINES[0], of(unseen, |p| p.obstacle)),
+            named("obstacle; seen free in front", Mark::Triangle, LINES[0], of(cleared, |p| p.obstacle)),
+            named("cells 200-560; unseen in front", Mark::Ring, LINES[2], of(unseen, |p| p.behind)),
+            named("cells 200-560; seen free in front", Mark::Triangle, LINES[2], of(cleared, |p| p.behind)),
+        ],
+        legend: SeriesLabelPosition::UpperLeft,
+    };
+    chart::draw(&[chart], CERTAINTY)
 }

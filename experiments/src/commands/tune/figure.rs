@@ -2,11 +2,11 @@
 
 use plotters::prelude::*;
 
-use super::chart::{self, Axis, Chart, Mark, Series};
-use super::ink::LINES;
-use crate::commands::tune::candidates::{Candidate, Tuned};
-use crate::commands::tune::fit::Fit;
+use super::candidates::{Candidate, Tuned};
+use super::fit::TunedFit;
 use crate::failure::Failure;
+use crate::figures::chart::{self, Axis, Chart, Mark, Series};
+use crate::figures::ink::LINES;
 
 const SIZE: (u32, u32) = (800, 560);
 
@@ -14,7 +14,7 @@ const SIZE: (u32, u32) = (800, 560);
 ///
 /// # Errors
 /// A drawing that fails.
-pub fn draw(fits: &[Fit]) -> Result<Option<Vec<u8>>, Failure> {
+pub(super) fn draw(fits: &[TunedFit]) -> Result<Option<Vec<u8>>, Failure> {
     let charts: Vec<Chart> = fits.iter().filter_map(chart).collect();
     if charts.is_empty() { Ok(None) } else { chart::draw(&charts, SIZE).map(Some) }
 }
@@ -23,7 +23,7 @@ pub fn draw(fits: &[Fit]) -> Result<Option<Vec<u8>>, Failure> {
 const HALF_WIDTH: usize = 0;
 const COUPLING: usize = 3;
 
-fn chart(fit: &Fit) -> Option<Chart> {
+fn chart(fit: &TunedFit) -> Option<Chart> {
     let (title, label, parameter) = match fit.tuned {
         Tuned::Visibility => return None,
         Tuned::ConventionalTuned => ("conventional: half of the bin", "half width (px)", HALF_WIDTH),

@@ -2,9 +2,9 @@
 
 use plotters::prelude::*;
 
-use super::chart::{self, Axis, Chart, Mark, Series};
-use super::ink::LINES;
 use crate::failure::Failure;
+use crate::figures::chart::{self, Axis, Chart, Mark, Series};
+use crate::figures::ink::LINES;
 
 const SIZE: (u32, u32) = (720, 520);
 
@@ -12,7 +12,7 @@ const SIZE: (u32, u32) = (720, 520);
 ///
 /// # Errors
 /// A drawing that fails.
-pub fn draw(title: &str, max_disparity: f64, density: &[(f64, f64)]) -> Result<Vec<u8>, Failure> {
+pub(super) fn draw(title: &str, max_disparity: f64, density: &[(f64, f64)]) -> Result<Vec<u8>, Failure> {
     let values = || density.iter().map(|(_, l)| *l).filter(|l| *l > 0.0);
     let top = values().fold(f64::MIN_POSITIVE, f64::max);
     let bottom = values().fold(top, f64::min).max(1e-6 * top);

@@ -13,7 +13,7 @@ use crate::output::digest::Running;
 /// A scene or family file.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Site {
+pub struct SourceFile {
     /// Its path, as the sweep names it.
     pub file: String,
     /// Digest of its text; of a scene also of what stands in it, which may come from a map.
@@ -23,27 +23,27 @@ pub struct Site {
 }
 
 /// A file's text, which was read without a problem.
-pub struct Source {
+pub struct SourceText {
     text: String,
     path: PathBuf,
     family: bool,
 }
 
-impl Site {
+impl SourceFile {
     /// Reads and checks a file.
     ///
     /// # Errors
-    /// A file that cannot be read, and the first problem with what it says; a scene where families are asked for,
+    /// A file that cannot be read, and the first problem with its content; a scene where families are asked for,
     /// and the other way round.
     pub fn load(path: &Path, family: bool) -> Result<Self, Failure> {
         Ok(Self::open(path, family)?.0)
     }
 
-    /// Reads and checks a file, and gives what it says.
+    /// Reads and checks a file, and gives its content.
     ///
     /// # Errors
     /// As [`load`](Self::load).
-    pub fn open(path: &Path, family: bool) -> Result<(Self, Source), Failure> {
+    pub fn open(path: &Path, family: bool) -> Result<(Self, SourceText), Failure> {
         let text = read(path)?;
         let mut digest = Running::default();
         digest.add(text.as_bytes());
@@ -60,14 +60,14 @@ impl Site {
             ))
         })?;
         let site = Self { file: file.to_owned(), digest: digest.hex(), family };
-        Ok((site, Source { text, path: path.to_owned(), family }))
+        Ok((site, SourceText { text, path: path.to_owned(), family }))
     }
 
-    /// What the file says, if it still says what it did when the sweep was planned.
+    /// The content of the file, if it is the same as when the sweep was planned.
     ///
     /// # Errors
-    /// As [`load`](Self::load), and a file that says something else.
-    pub fn source(&self) -> Result<Source, Failure> {
+    /// As [`load`](Self::load), and a file with another content.
+    pub fn source(&self) -> Result<SourceText, Failure> {
         let (now, source) = Self::open(Path::new(&self.file), self.family)?;
         if now.digest == self.digest {
             return Ok(source);
@@ -77,7 +77,7 @@ impl Site {
     }
 }
 
-impl Source {
+impl SourceText {
     /// The scene, of a family that of a layout, with the given settings.
     ///
     /// # Errors

@@ -3,12 +3,12 @@
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::ink::{self, FAINT, INK};
-use super::{Area, png};
-use crate::commands::compare::criteria::criterion;
-use crate::commands::compare::rows::{Difference, Rows};
-use crate::commands::compare::sheets::{ALL, OBSERVABLE, interval};
+use super::rows::{Difference, Rows};
+use super::sheets::{ALL, OBSERVABLE, interval};
 use crate::failure::Failure;
+use crate::figures::ink::{self, FAINT, INK};
+use crate::figures::{Area, png};
+use crate::worlds::criteria::criterion;
 
 const BETTER: RGBColor = RGBColor(0, 128, 96);
 const WORSE: RGBColor = RGBColor(190, 60, 30);

@@ -3,13 +3,13 @@
 use grid::Raster;
 use plotters::prelude::*;
 
-use super::ink::{self, INK, ROUTE};
-use super::panel::Panel;
-use super::png;
 use crate::failure::Failure;
+use crate::figures::ink::{self, INK, ROUTE};
+use crate::figures::panel::Panel;
+use crate::figures::png;
 
 /// What the picture shows.
-pub const CAPTION: &str =
+pub(super) const CAPTION: &str =
     "Maps from the same scans. White is free, black occupied, grey never seen; blue is where the sensor went.";
 
 const GAP: u32 = 14;
@@ -22,7 +22,7 @@ const WIDTHS: [usize; 2] = [1400, 900];
 ///
 /// # Errors
 /// A drawing that fails.
-pub fn draw(
+pub(super) fn draw(
     maps: &[(&str, &Raster<f64>)],
     seen: &Raster<bool>,
     prior: f64,

@@ -1,8 +1,8 @@
-//! Worlds that differ from what the mappers believe.
+//! Worlds that differ from what the mappers assume.
 
 use sensor::{Matcher, Mismatches};
 
-/// How the simulated world differs from the one that the mappers believe in.
+/// How the simulated world differs from the one that the mappers assume.
 #[derive(Clone, Copy)]
 pub struct Condition {
     /// Its name in every file.
@@ -15,7 +15,7 @@ pub struct Condition {
     pub camera: fn(&mut Matcher),
 }
 
-/// The world as the mappers believe it to be.
+/// The world as the mappers assume it.
 pub const AS_BELIEVED: Condition = Condition {
     name: "as-believed",
     summary: "the mappers know the camera, and obstacles have the size they expect",

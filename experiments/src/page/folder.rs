@@ -8,30 +8,39 @@ use mapper::Prior;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-use crate::cli::{Belief, Edges, Law};
+use super::part::Picture;
 use crate::failure::Failure;
+use crate::output::args::{Edges, Law, PriorOptions};
 use crate::output::ledger::RECORD;
 use crate::output::table::Table;
-use crate::page::Picture;
 
 /// A folder of results to read from.
-pub(super) struct Folder<'a> {
-    pub(super) path: &'a Path,
+pub struct Folder<'a> {
+    /// Where it is.
+    pub path: &'a Path,
 }
 
 impl Folder<'_> {
-    pub(super) fn refuse(&self, file: &str, why: &str) -> Failure {
+    /// What is wrong with a file of the folder.
+    pub fn refuse(&self, file: &str, why: &str) -> Failure {
         Failure::BadInput(format!("{}: {why}", self.path.join(file).display()))
     }
 
-    pub(super) fn read(&self, file: &str) -> Result<Vec<u8>, Failure> {
+    /// A file of the folder.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn read(&self, file: &str) -> Result<Vec<u8>, Failure> {
         fs::read(self.path.join(file)).map_err(|e| {
             self.refuse(file, &format!("cannot be read: {e}; give a folder that 'room' or 'compare' left whole"))
         })
     }
 
-    /// The record, with the names of all files alone under `files`.
-    pub(super) fn record(&self) -> Result<Value, Failure> {
+    /// What the folder was made from, with the names of all files alone under `files`.
+    ///
+    /// # Errors
+    /// No record, or something else in its place.
+    pub fn record(&self) -> Result<Value, Failure> {
         let mut record: Value = serde_json::from_slice(&self.read(RECORD)?)
             .map_err(|e| self.refuse(RECORD, &format!("is no record of a run: {e}")))?;
         let files = record["files"].as_array().into_iter().flatten();
@@ -42,23 +51,34 @@ impl Folder<'_> {
         Ok(record)
     }
 
-    pub(super) fn understand<T: DeserializeOwned>(&self, record: &Value) -> Result<T, Failure> {
+    /// The parts of a record that `T` names.
+    ///
+    /// # Errors
+    /// Parts that are missing, or of another form.
+    pub fn understand<T: DeserializeOwned>(&self, record: &Value) -> Result<T, Failure> {
         T::deserialize(record)
             .map_err(|e| self.refuse(RECORD, &format!("is not understood: {e}; run the command again")))
     }
 
-    /// What the mappers believed.
-    pub(super) fn belief(&self, prior: &Prior, reconciliation: &str) -> Result<Belief, Failure> {
+    /// What the mappers assumed.
+    ///
+    /// # Errors
+    /// Names of another program.
+    pub fn prior(&self, prior: &Prior, reconciliation: &str) -> Result<PriorOptions, Failure> {
         let law = serde_json::to_value(prior.correlation_law).map_err(Failure::internal)?;
         let law = Law::from_str(law.as_str().unwrap_or_default(), false);
         let (Ok(correlation_law), Ok(reconciliation)) = (law, Edges::from_str(reconciliation, false)) else {
             return Err(self.refuse(RECORD, "names a reconciliation that this program does not know"));
         };
-        Ok(Belief { prior: prior.occupancy, correlation: prior.correlation, correlation_law, reconciliation })
+        let Prior { occupancy, correlation, .. } = *prior;
+        Ok(PriorOptions { occupancy, correlation, correlation_law, reconciliation })
     }
 
-    /// The scene or the program may have changed since.
-    pub(super) fn same_configuration(&self, record: &Value, now: &impl serde::Serialize) -> Result<(), Failure> {
+    /// Refuses a record that would now be another: the scene or the program may have changed since.
+    ///
+    /// # Errors
+    /// The first difference.
+    pub fn same_configuration(&self, record: &Value, now: &impl serde::Serialize) -> Result<(), Failure> {
         let now = serde_json::to_value(now).map_err(Failure::internal)?;
         for part in ["configuration", "grid", "stages"] {
             if let Some((place, was, is)) = difference(part, &record[part], &now[part]) {
@@ -70,10 +90,12 @@ impl Folder<'_> {
         Ok(())
     }
 
-    /// The first rows of `csv` are those of the first seed.
-    pub(super) fn same_numbers(&self, csv: &[u8], metrics: &Table) -> Result<(), Failure> {
-        let mut now = Vec::new();
-        metrics.write_csv(&mut now).map_err(Failure::internal)?;
+    /// Refuses a `metrics.csv` whose first rows are not these.
+    ///
+    /// # Errors
+    /// The first difference.
+    pub fn same_numbers(&self, csv: &[u8], metrics: &Table) -> Result<(), Failure> {
+        let now = metrics.csv()?;
         let (was, now) = (String::from_utf8_lossy(csv), String::from_utf8_lossy(&now));
         let mut lines = was.lines();
         for (i, now) in now.lines().enumerate() {
@@ -87,7 +109,10 @@ impl Folder<'_> {
     }
 
     /// The pictures that the record lists.
-    pub(super) fn pictures(&self, record: &Value, known: &[(&str, &str)]) -> Result<Vec<Picture>, Failure> {
+    ///
+    /// # Errors
+    /// A picture that cannot be read.
+    pub fn pictures(&self, record: &Value, known: &[(&str, &str)]) -> Result<Vec<Picture>, Failure> {
         let listed = |name: &str| record["files"].as_array().into_iter().flatten().any(|file| file == name);
         let picture = |(name, caption): &(&str, &str)| {
             let bytes = self.read(name)?;

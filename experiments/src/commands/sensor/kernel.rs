@@ -3,13 +3,13 @@
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use super::ink::{self, FAINT, INK};
-use super::{Area, png};
 use crate::failure::Failure;
+use crate::figures::ink::{self, FAINT, INK};
+use crate::figures::{Area, png};
 
 /// The kernel on a grid: `density[row][column]` in 1/px.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Kernel {
+pub(super) struct Kernel {
     /// Range at the right border, m; the left one is the sensor.
     pub far_m: f64,
     /// Disparity at the upper border, px; the lower one is 0.
@@ -51,7 +51,7 @@ fn colour(share: f64) -> RGBColor {
 ///
 /// # Errors
 /// A drawing that fails.
-pub fn draw(title: &str, kernel: &Kernel) -> Result<Vec<u8>, Failure> {
+pub(super) fn draw(title: &str, kernel: &Kernel) -> Result<Vec<u8>, Failure> {
     let values = || kernel.density.iter().flatten().copied().filter(|l| *l > 0.0);
     let top = values().fold(f64::MIN_POSITIVE, f64::max);
     // Six powers of ten show all that matters where nothing is matched falsely.

@@ -3,14 +3,14 @@
 
 use plotters::prelude::*;
 
-use super::chart::{self, Axis, Chart, Mark, Series};
-use super::ink::{self, FAINT};
-use crate::commands::compare::Findings;
-use crate::commands::compare::judgement::Scope;
-use crate::commands::compare::rows::{Repeat, Rows};
-use crate::commands::compare::sheets::{repeat_counts, repeated_mean};
-use crate::commands::compare::tables::{COVARIATES, pooled_errors, pooled_reliability};
+use super::findings::Findings;
+use super::judgement::Scope;
+use super::rows::{Repeat, Rows};
+use super::sheets::{repeat_counts, repeated_mean};
+use super::tables::{COVARIATES, pooled_errors, pooled_reliability};
 use crate::failure::Failure;
+use crate::figures::chart::{self, Axis, Chart, Mark, Series};
+use crate::figures::ink::{self, FAINT};
 
 /// Captions, by file name, in the order of the page.
 pub const CAPTIONS: [(&str, &str); 4] = [

@@ -1,0 +1,20 @@
+//! What a calibration is.
+
+use super::search::Fit;
+
+/// What was fitted to what.
+pub(super) struct Calibration {
+    /// What it was fitted to, in words.
+    pub(super) about: String,
+    /// What is maximised, in words, with its unit.
+    pub(super) measure: &'static str,
+    /// Number of readings.
+    pub(super) readings: u64,
+    pub(super) fit: Fit,
+    /// The picture of the fit against the readings, if there is one.
+    pub(super) picture: Option<Vec<u8>>,
+    /// What is to be known besides.
+    pub(super) notes: Vec<String>,
+    /// Options of other commands that use what was found.
+    pub(super) advice: String,
+}

@@ -1,0 +1,81 @@
+//! The scans of a log, mapped by several rules.
+
+use grid::Raster;
+use logs::Sensor;
+use mapper::catalogue::{Entry, Setup};
+use mapper::{Mapper, PairwiseGrid};
+use rayon::prelude::*;
+use sensor::Scan;
+
+use super::extent::Survey;
+use super::recording::{self, Recording};
+use super::seen::{Reach, Seen};
+use crate::failure::Failure;
+use crate::jobs::progress::Count;
+
+/// Scans that are read before the mappers take them, each on a thread.
+pub(super) const BATCH: usize = 64;
+
+/// What mappers made of the scans that were not kept back.
+pub(super) struct Maps {
+    pub(super) maps: Vec<Map>,
+    /// Cells that a beam crossed or ended in.
+    pub(super) seen: Raster<bool>,
+}
+
+/// The map of one mapper.
+pub(super) struct Map {
+    pub(super) mapper: &'static str,
+    pub(super) occupancy: Raster<f64>,
+    /// Its joint probabilities, if it holds any.
+    pub(super) pairs: Option<PairwiseGrid>,
+}
+
+/// Whether a scan is kept back: the last of every so many.
+pub(super) fn is_kept_back(number: u64, hold_out: u64) -> bool {
+    (number + 1).is_multiple_of(hold_out)
+}
+
+/// Maps the scans that are not kept back.
+pub(super) fn map(
+    recording: &Recording,
+    survey: &Survey,
+    hold_out: u64,
+    entries: &[&'static Entry],
+    setup: &Setup,
+) -> Result<Maps, Failure> {
+    let progress = Count::scans(survey.kept);
+    let mut mappers: Vec<Box<dyn Mapper>> = entries.iter().map(|entry| (entry.build)(setup)).collect();
+    let reach = match survey.sensor {
+        Sensor::Laser { .. } => Reach::Reading,
+        Sensor::Stereo => Reach::Median,
+    };
+    let mut seen = Seen::new(setup.grid, reach);
+    let mut batch = Vec::with_capacity(BATCH);
+    let mut take = |batch: &mut Vec<Scan>, mappers: &mut [Box<dyn Mapper>]| {
+        rayon::join(
+            || mappers.par_iter_mut().for_each(|mapper| batch.iter().for_each(|scan| mapper.integrate(scan))),
+            || batch.iter().for_each(|scan| seen.add(scan, &*setup.sensor)),
+        );
+        batch.clear();
+    };
+    for (number, scan) in (0..).zip(recording.scans()?) {
+        let scan = scan.map_err(recording::refused)?;
+        progress.step();
+        if !is_kept_back(number, hold_out) {
+            batch.push(scan);
+            if batch.len() == BATCH {
+                take(&mut batch, &mut mappers);
+            }
+        }
+    }
+    take(&mut batch, &mut mappers);
+    mappers.par_iter_mut().for_each(|mapper| mapper.settle());
+    progress.finish();
+    let maps = entries.iter().zip(&mappers).map(|(entry, mapper)| Map {
+        mapper: entry.name,
+        occupancy: mapper.occupancy().clone(),
+        pairs: mapper.pairwise(),
+    });
+    Ok(Maps { maps: maps.collect(), seen: seen.cells })
+}

@@ -1,0 +1,50 @@
+//! Options of `room`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::output::args::{Format, PriorOptions, ThreadsOption, count, positive};
+
+/// A million maps in one run is a sweep, not a table with a spread.
+const MOST_SEEDS: u32 = 10_000;
+
+/// Options of `room`.
+#[derive(Debug, Args)]
+pub struct RoomOptions {
+    /// Scene file, or file of a family of scenes
+    #[arg(long, value_name = "FILE", default_value = "scenes/room.toml")]
+    pub scene: PathBuf,
+    /// Which scene of the family [default: 1]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub layout: Option<u64>,
+    /// Seed of the first run
+    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true)]
+    pub seed: u64,
+    /// Number of runs, with consecutive seeds; tables then give mean and spread
+    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = count(MOST_SEEDS))]
+    pub seeds: u32,
+    /// Side of a cell in metres, instead of the scene's
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive)]
+    pub grid: Option<f64>,
+    /// Mappers, comma-separated (see `list`)
+    #[arg(
+        long,
+        value_name = "A,B",
+        value_delimiter = ',',
+        default_value = "visibility,visibility-lateral,visibility-printed,conventional"
+    )]
+    pub mappers: Vec<String>,
+    /// What the mappers assume before the first reading
+    #[command(flatten)]
+    pub prior: PriorOptions,
+    /// Folder for tables, maps, pictures and report, written whole or not at all [default: results/ and the scene's name]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Form of the table on stdout; csv and json give all metrics
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+    /// How many threads work
+    #[command(flatten)]
+    pub threads: ThreadsOption,
+}

@@ -1,0 +1,45 @@
+//! What a room is mapped by.
+
+use mapper::catalogue::{Entry, Setup};
+
+use super::options::RoomOptions;
+use crate::failure::Failure;
+use crate::page;
+use crate::worlds::condition::AS_BELIEVED;
+use crate::worlds::mappers::entries;
+use crate::worlds::run::Ground;
+use crate::worlds::site::{Assumptions, Site};
+
+/// Everything that a trial needs, from the options.
+pub(super) struct RoomPlan {
+    pub(super) ground: Ground,
+    pub(super) mappers: Vec<&'static Entry>,
+    pub(super) setup: Setup,
+    /// Scans after which the report shows the maps.
+    pub(super) frames: Vec<usize>,
+}
+
+impl RoomPlan {
+    pub(super) fn of(options: &RoomOptions) -> Result<Self, Failure> {
+        let mappers = entries(&options.mappers)?;
+        let scene = scene::load(&options.scene, options.grid, options.layout)?;
+        let Site { ground, setup } = Site::of(scene, &AS_BELIEVED, &Assumptions::of(&options.prior))?;
+        Ok(Self { frames: page::moments(&ground, page::FRAMES), ground, mappers, setup })
+    }
+}
+
+/// Claims are made about free cells: a region without any is a mistake in the scene.
+pub(super) fn claimable(ground: &Ground, options: &RoomOptions) -> Result<(), Failure> {
+    for region in ground.scene.regions.iter().filter(|region| region.claims) {
+        let mask = region.mask(ground.truth.spec());
+        if !mask.values().iter().zip(ground.truth.values()).any(|(inside, truth)| *inside && *truth == Some(false)) {
+            return Err(Failure::BadInput(format!(
+                "{}: region {}: has claims = true but no free cell of {} m; make it larger, move it, or leave the claims out",
+                options.scene.display(),
+                region.name,
+                ground.scene.grid.cell_m
+            )));
+        }
+    }
+    Ok(())
+}

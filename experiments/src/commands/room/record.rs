@@ -1,0 +1,105 @@
+//! What a run was made from: `run.json`.
+
+use grid::GridSpec;
+use mapper::catalogue::Entry;
+use mapper::{Prior, Reconciliation};
+use scene::Scene;
+use sensor::Matcher;
+use serde::Serialize;
+
+use super::options::RoomOptions;
+use crate::worlds::claims::Claim;
+use crate::worlds::run::{Ground, Stage};
+
+/// What the record of a room holds.
+#[derive(Debug, Serialize)]
+pub(super) struct Parts {
+    /// First seed.
+    seed: u64,
+    /// Everything that was set, by default, file or command line.
+    pub(super) configuration: Configuration,
+    /// The cells of the maps.
+    grid: GridSpec,
+    /// When the maps were looked at.
+    stages: Vec<Stage>,
+    /// What was claimed and found.
+    claims: Vec<Claim>,
+}
+
+/// The merged configuration.
+#[derive(Debug, Serialize)]
+pub(super) struct Configuration {
+    /// Scene file.
+    pub scene: String,
+    /// Which scene of it, where it is a family of scenes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub layout: Option<u64>,
+    /// Number of consecutive seeds.
+    pub seeds: u32,
+    /// Mappers in order.
+    pub mappers: Vec<&'static str>,
+    /// What the mappers assume before the first reading.
+    pub prior: Prior,
+    /// What becomes of edges on no ray.
+    pub reconciliation: Reconciliation,
+    /// The simulated sensor, which the mappers know.
+    pub sensor: Matcher,
+    /// Image columns.
+    pub columns: usize,
+    /// Field of view, rad.
+    pub field_of_view_rad: f64,
+    /// The robot.
+    pub robot: Robot,
+}
+
+/// The robot of the scene.
+#[derive(Debug, Serialize)]
+pub(super) struct Robot {
+    pub radius_m: f64,
+    pub speed_m_s: f64,
+    pub turn_rate_rad_s: f64,
+    pub scan_interval_s: f64,
+}
+
+impl Parts {
+    /// What a run was made from and what it found.
+    pub(super) fn of(
+        options: &RoomOptions,
+        ground: &Ground,
+        mappers: &[&Entry],
+        stages: &[Stage],
+        claims: &[Claim],
+    ) -> Self {
+        Self {
+            seed: options.seed,
+            configuration: Configuration {
+                scene: options.scene.display().to_string(),
+                layout: ground.scene.layout,
+                seeds: options.seeds,
+                mappers: mappers.iter().map(|entry| entry.name).collect(),
+                prior: options.prior.prior(),
+                reconciliation: options.prior.reconciliation(),
+                sensor: ground.scene.matcher,
+                columns: ground.scene.camera.columns,
+                field_of_view_rad: ground.scene.camera.field_of_view_rad,
+                robot: Robot::of(&ground.scene),
+            },
+            grid: ground.scene.grid,
+            stages: stages.to_vec(),
+            claims: claims.to_vec(),
+        }
+    }
+}
+
+impl Robot {
+    /// The robot of `scene`.
+    pub(super) fn of(scene: &Scene) -> Self {
+        let robot = &scene.robot;
+        Self {
+            radius_m: robot.radius_m,
+            speed_m_s: robot.speed_m_s,
+            turn_rate_rad_s: robot.turn_rate_rad_s,
+            scan_interval_s: robot.scan_interval_s,
+        }
+    }
+}

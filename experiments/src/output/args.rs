@@ -1,0 +1,128 @@
+//! Options that several commands share, and the bounds of their values.
+
+use clap::{Args, ValueEnum};
+use mapper::{CorrelationLaw, Prior, Reconciliation};
+
+/// How a table is printed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum Format {
+    /// For reading
+    #[default]
+    Text,
+    /// Comma-separated values
+    Csv,
+    /// JSON: {"schema_version": 1, "rows": [...]}
+    Json,
+}
+
+/// `--format`.
+#[derive(Debug, Clone, Copy, Default, Args)]
+pub struct FormatOption {
+    /// Form of the table on stdout
+    #[arg(long, value_enum, default_value_t)]
+    pub format: Format,
+}
+
+/// `--threads`.
+#[derive(Debug, Clone, Copy, Default, Args)]
+pub struct ThreadsOption {
+    /// Threads to use, all processors if not given; results do not depend on it
+    #[arg(id = "threads", long, value_name = "N", allow_negative_numbers = true, value_parser = count(MOST_THREADS))]
+    pub count: Option<u32>,
+}
+
+/// The scene of `check` and `estimate`.
+#[derive(Debug, Args)]
+pub struct SceneOptions {
+    /// Scene file, or file of a family of scenes
+    #[arg(value_name = "SCENE")]
+    pub scene: std::path::PathBuf,
+    /// Which scene of the family [default: 1]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub layout: Option<u64>,
+    /// Side of a cell in metres, instead of the scene's
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive)]
+    pub grid: Option<f64>,
+    /// How the table is printed
+    #[command(flatten)]
+    pub print: FormatOption,
+}
+
+/// What the mappers assume before the first reading.
+#[derive(Debug, Clone, Args)]
+pub struct PriorOptions {
+    /// Probability that an unseen cell is occupied
+    #[arg(long = "prior", value_name = "P", default_value_t = Prior::default().occupancy, allow_negative_numbers = true, value_parser = probability)]
+    pub occupancy: f64,
+    /// Correlation of cells 5 cm apart
+    #[arg(long, value_name = "C", default_value_t = Prior::default().correlation, allow_negative_numbers = true, value_parser = probability)]
+    pub correlation: f64,
+    /// How the correlation follows the cell size
+    #[arg(long, value_enum, default_value_t)]
+    pub correlation_law: Law,
+    /// What becomes of neighbouring cells that no ray of a scan runs along
+    #[arg(long, value_enum, default_value_t)]
+    pub reconciliation: Edges,
+}
+
+/// Names of [`CorrelationLaw`] on the command line.
+#[derive(Debug, Clone, Copy, Default, ValueEnum)]
+pub enum Law {
+    /// exp(-d / l): the same world at every cell size
+    #[default]
+    Scaled,
+    /// the same number at every cell size
+    Fixed,
+}
+
+/// Names of [`Reconciliation`] on the command line.
+#[derive(Debug, Clone, Copy, Default, ValueEnum)]
+pub enum Edges {
+    /// they enter the least squares with their state before the scan, as Eq. (20) reads
+    #[default]
+    AllEdges,
+    /// they are left out
+    Touched,
+}
+
+impl PriorOptions {
+    /// The prior of the mappers.
+    pub fn prior(&self) -> Prior {
+        let correlation_law = match self.correlation_law {
+            Law::Scaled => CorrelationLaw::Scaled,
+            Law::Fixed => CorrelationLaw::Fixed,
+        };
+        Prior { occupancy: self.occupancy, correlation: self.correlation, correlation_law }
+    }
+
+    /// The treatment of edges on no ray.
+    pub fn reconciliation(&self) -> Reconciliation {
+        match self.reconciliation {
+            Edges::AllEdges => Reconciliation::AllEdges,
+            Edges::Touched => Reconciliation::Touched,
+        }
+    }
+}
+
+/// More threads than any machine has processors only cost memory.
+pub(crate) const MOST_THREADS: u32 = 1024;
+
+/// A whole number from 1 to `most`.
+pub(crate) fn count(most: u32) -> clap::builder::RangedI64ValueParser<u32> {
+    clap::value_parser!(u32).range(1..=i64::from(most))
+}
+
+/// A number from 0 to 1.
+pub(crate) fn probability(text: &str) -> Result<f64, String> {
+    number(text, "from 0 to 1", |v| (0.0..=1.0).contains(&v))
+}
+
+/// A finite number above 0.
+pub(crate) fn positive(text: &str) -> Result<f64, String> {
+    number(text, "above 0 and finite", |v| v > 0.0 && v.is_finite())
+}
+
+/// A number that `accept` takes; `bound` states which those are.
+pub(crate) fn number(text: &str, bound: &str, accept: impl Fn(f64) -> bool) -> Result<f64, String> {
+    text.parse().ok().filter(|&v| accept(v)).ok_or_else(|| format!("must be a number {bound}"))
+}

@@ -1,0 +1,121 @@
+//! Where maps are made: the one way from a scene, a condition and a seed to a ground and a set-up.
+
+use std::fmt;
+use std::sync::Arc;
+
+use mapper::catalogue::Setup;
+use mapper::{Prior, Reconciliation, Tuning};
+use scene::{Family, Scene, Variation};
+use sensor::Stereo;
+use serde::{Deserialize, Serialize};
+
+use super::condition::{Condition, condition};
+use super::run::Ground;
+use crate::failure::Failure;
+use crate::output::args::PriorOptions;
+
+/// Micrometres in a metre.
+pub const MICROMETRES: f64 = 1e6;
+
+/// Names a world: all that its readings follow from.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct WorldId {
+    /// Name of the family, or of the scene.
+    pub family: String,
+    /// Name of the condition, see [`super::condition`].
+    pub condition: String,
+    /// Side of a cell in µm, where it is not the scene's own.
+    pub cell_um: Option<u32>,
+    /// Seed of the readings; of a family, its layout too.
+    pub seed: u64,
+}
+
+/// What mappers assume of the world.
+#[derive(Debug, Clone, Default)]
+pub struct Assumptions {
+    /// Occupancy and continuity.
+    pub prior: Prior,
+    /// What becomes of edges on no ray.
+    pub reconciliation: Reconciliation,
+    /// Parameters of rules other than the paper's.
+    pub tuning: Tuning,
+    /// The camera; none is that of the scene's file, whatever the condition makes of it.
+    pub camera: Option<Stereo>,
+}
+
+/// A world ready to be mapped.
+pub struct Site {
+    /// What is mapped.
+    pub ground: Ground,
+    /// What the mappers start from.
+    pub setup: Setup,
+}
+
+impl WorldId {
+    /// Side of a cell in m, where it is not the scene's own.
+    pub fn cell_m(&self) -> Option<f64> {
+        self.cell_um.map(|cell_um| f64::from(cell_um) / MICROMETRES)
+    }
+
+    /// The condition of the world.
+    ///
+    /// # Errors
+    /// A condition that does not exist.
+    pub fn condition(&self) -> Result<&'static Condition, Failure> {
+        condition(&self.condition)
+            .ok_or_else(|| Failure::Internal(format!("there is no condition {:?}", self.condition)))
+    }
+}
+
+impl fmt::Display for WorldId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {} seed {}", self.family, self.condition, self.seed)?;
+        self.cell_m().map_or(Ok(()), |cell_m| write!(f, ", cells of {cell_m} m"))
+    }
+}
+
+impl Assumptions {
+    /// Those that the command line asks for.
+    pub fn of(options: &PriorOptions) -> Self {
+        Self { prior: options.prior(), reconciliation: options.reconciliation(), ..Self::default() }
+    }
+}
+
+impl Site {
+    /// Builds a scene under a condition, which changes the simulated camera alone.
+    ///
+    /// # Errors
+    /// A route that is blocked.
+    pub fn of(mut scene: Scene, condition: &Condition, assumed: &Assumptions) -> Result<Self, Failure> {
+        let Assumptions { prior, reconciliation, tuning, camera } = assumed.clone();
+        let camera = Arc::new(camera.unwrap_or(scene.matcher.stereo));
+        let setup = Setup { prior, reconciliation, tuning, ..Setup::new(scene.grid, camera) };
+        (condition.camera)(&mut scene.matcher);
+        Ok(Self { ground: Ground::new(scene, prior.occupancy)?, setup })
+    }
+
+    /// Builds a world of a family: the layout of its seed, under its condition.
+    ///
+    /// # Errors
+    /// A condition that does not exist; a layout that cannot be made; a route that is blocked.
+    pub fn of_family(family: &Family, world: &WorldId, assumed: &Assumptions) -> Result<Self, Failure> {
+        let condition = world.condition()?;
+        let variation = Variation { size_factor: condition.size_factor };
+        Self::of(family.scene(world.seed, world.cell_m(), &variation)?, condition, assumed)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cell_size_is_the_number_that_was_given() {
+        let world = |cell_um| WorldId { family: "f".to_owned(), condition: "as-believed".to_owned(), cell_um, seed: 3 };
+        for cell_m in [0.05, 0.1, 0.2, 0.0375] {
+            let cell_um = Some((cell_m * MICROMETRES).round() as u32);
+            assert_eq!(world(cell_um).cell_m().map(f64::to_bits), Some(f64::to_bits(cell_m)));
+        }
+        assert_eq!(world(Some(200_000)).to_string(), "f as-believed seed 3, cells of 0.2 m");
+    }
+}
