@@ -23,6 +23,7 @@ pub mod list;
 pub mod mappers;
 pub mod progress;
 pub mod ray;
+mod reading;
 pub mod rebuild;
 pub mod record;
 pub mod replay;

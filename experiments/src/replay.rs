@@ -26,7 +26,7 @@ use crate::failure::Failure;
 use crate::mappers::entries;
 use crate::progress::Count;
 use crate::staging::Staging;
-use crate::{interruption, table, threads};
+use crate::{interruption, reading, table, threads};
 
 /// Scans that are read before the mappers take them, each on a thread.
 const BATCH: usize = 64;
@@ -46,13 +46,15 @@ pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
     threads::limit(options.threads)?;
     let sensor = options.sensor(recording.scans()?.sensor())?;
     let survey = Survey::of(&recording, options.reach, &*sensor)?;
+    reading::tell(&recording.place(), &survey.report);
     if survey.kept == 0 {
+        let left_out: Vec<String> =
+            outputs::left_out(&survey.report).into_iter().map(|(what, count)| format!("{count} {what}")).collect();
         return Err(Failure::BadInput(format!(
-            "{}: none of its {} scans is in use: {} lie outside --window, {} outside --trajectory; give another one",
+            "{}: none of its {} scans is in use: {}; give another window, trajectory or gap",
             recording.place(),
             survey.report.scans,
-            survey.report.outside_window,
-            survey.report.outside_trajectory
+            left_out.join(", ")
         )));
     }
     if survey.kept <= options.hold_out {

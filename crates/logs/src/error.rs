@@ -21,6 +21,22 @@ pub enum LogError {
         /// The path.
         place: String,
     },
+    /// It is no file, and a log is read more than once.
+    #[error("{place}: is a pipe or a device, and a log is read more than once; save it to a file and give that")]
+    Pipe {
+        /// The path.
+        place: String,
+    },
+    /// It is another kind of file.
+    #[error("{place}: is {what}, not a log or a trajectory; {remedy}")]
+    Foreign {
+        /// The file.
+        place: String,
+        /// What it is.
+        what: &'static str,
+        /// What to do.
+        remedy: &'static str,
+    },
     /// Reading came to an end before the log did: a disk's error, or compressed data that are cut or damaged.
     #[error(
         "{place}: cannot be read beyond line {line}: {source}; what stands before was read, get a whole copy of the file"
@@ -32,6 +48,36 @@ pub enum LogError {
         line: u64,
         /// What the system or the decoder reports.
         source: io::Error,
+    },
+    /// The rows of a table cannot be put together to scans.
+    #[error("{place}:{line}: {reason}")]
+    Table {
+        /// The file.
+        place: String,
+        /// Line, from 1.
+        line: u64,
+        /// What is wrong and what to do.
+        reason: String,
+    },
+    /// A trajectory has another clock than the log.
+    #[error(
+        "{place}: none of its {scans} scans lies in the time of the trajectory: the log goes from {:.3} to {:.3} s, the trajectory from \
+         {:.3} to {:.3} s; {}",
+        log_s[0],
+        log_s[1],
+        trajectory_s[0],
+        trajectory_s[1],
+        clock_remedy(*log_s, *trajectory_s)
+    )]
+    Clocks {
+        /// The log.
+        place: String,
+        /// Number of its scans.
+        scans: u64,
+        /// First and last time of the log, s.
+        log_s: [f64; 2],
+        /// First and last time of the trajectory, s.
+        trajectory_s: [f64; 2],
     },
     /// The first line of a table does not name its columns as it must.
     #[error("{place}:{line}: {reason}")]
@@ -45,7 +91,8 @@ pub enum LogError {
     },
     /// Nothing in the file is a scan.
     #[error(
-        "{place}: no scan in {lines} lines{reason}; give a CARMEN log with FLASER or ROBOTLASER1, or a table of scans"
+        "{place}: no scan in {lines} lines{reason}; give a CARMEN log with FLASER, RLASER, ROBOTLASER1, or RAWLASER1 and ODOM, or \
+         a table of scans"
     )]
     NoScan {
         /// The file.
@@ -102,4 +149,13 @@ pub enum LogError {
         /// The table.
         place: String,
     },
+}
+
+/// What to do about two clocks.
+fn clock_remedy(log: [f64; 2], trajectory: [f64; 2]) -> String {
+    let long = |span: [f64; 2]| span[1] - span[0];
+    if long(trajectory) > 50.0 * long(log) && log[0] > 0.0 && trajectory[0] / log[0] > 50.0 {
+        return "is it in another unit? convert its times to s".to_owned();
+    }
+    format!("it has another clock: add {:.3} s to its times if both begin together", log[0] - trajectory[0])
 }

@@ -5,7 +5,7 @@ use std::io::{self, Write as _};
 
 use grid::ros_map::{self, Coding, Shades};
 use grid::{Raster, npy};
-use logs::Sensor;
+use logs::{Report, Sensor};
 use mapper::catalogue::Setup;
 use score::SeriesMean;
 use serde_json::{Value, json};
@@ -73,6 +73,7 @@ pub(super) fn write(staging: &mut Staging, told: &Told) -> Result<(), Failure> {
         "command": "replay",
         "configuration": configuration,
         "grid": told.setup.grid,
+        "findings": findings(&told.survey.report),
         "versions": versions(),
         "files": files,
     });
@@ -144,17 +145,26 @@ fn counts(told: &Told) -> Table {
     for (name, number) in &report.skipped {
         row(&format!("messages {name}, skipped"), *number);
     }
-    for (what, number) in [
-        ("scans outside the time window", report.outside_window),
-        ("scans outside the trajectory", report.outside_trajectory),
-        ("scans left out by --every, --least-move, --least-turn", report.thinned),
-        ("steps back in time", report.steps_back),
-    ] {
-        if number > 0 {
-            row(what, number);
-        }
+    for (what, number) in left_out(report) {
+        row(&format!("scans {what}"), number);
+    }
+    if report.steps_back > 0 {
+        row("steps back in time", report.steps_back);
     }
     table
+}
+
+/// Why scans are not in use, and how many.
+pub(super) fn left_out(report: &Report) -> Vec<(&'static str, u64)> {
+    let all = [
+        ("outside the time window", report.outside_window),
+        ("outside the trajectory", report.outside_trajectory),
+        ("in gaps without poses", report.in_gaps),
+        ("without odometry", report.unplaced),
+        ("far from all others", report.strays),
+        ("left out by --every, --least-move, --least-turn", report.thinned),
+    ];
+    all.into_iter().filter(|(_, number)| *number > 0).collect()
 }
 
 /// What the maps were made from.
@@ -178,6 +188,8 @@ fn configuration(told: &Told) -> Value {
         "hold_out": options.hold_out,
         "reach_m": survey.reach_m,
         "min_range_m": options.min_range,
+        "max_gap_s": options.max_gap,
+        "fan": {"fov_deg": options.fan.fov, "first_bearing_deg": options.fan.first_bearing, "increment_deg": options.fan.increment},
         "every": options.every,
         "window_s": options.window,
         "least_move_m": options.least_move,
@@ -188,16 +200,44 @@ fn configuration(told: &Told) -> Value {
     })
 }
 
+/// What is to be known of the log, and the largest steps in it.
+fn findings(report: &Report) -> Value {
+    let step = |step: Option<logs::Step>| {
+        step.map(|step| {
+            json!({"line": step.line, "move_m": step.move_m, "turn_rad": step.turn_rad, "time_s": step.time_s})
+        })
+    };
+    let said = |finding: logs::Finding| json!({"warning": finding.is_warning(), "text": finding.to_string()});
+    json!({
+        "said": report.findings().into_iter().map(said).collect::<Vec<_>>(),
+        "longest_move": step(report.motion.longest),
+        "sharpest_turn": step(report.motion.sharpest),
+    })
+}
+
 /// What the terminal shows.
 pub(super) fn text(told: &Told) -> String {
     let Told { survey, predictions, .. } = told;
     let mut text = format!("replay of {}\n{}\n", name(told.options), facts(told).replace("; ", "\n"));
     let report = &survey.report;
+    for (what, step) in [("move", report.motion.longest), ("turn", report.motion.sharpest)] {
+        if let Some(step) = step {
+            let size = match what {
+                "move" => format!("{:.2} m", step.move_m),
+                _ => format!("{:.0} degrees", step.turn_rad.to_degrees()),
+            };
+            let _ = writeln!(text, "largest {what} between scans: {size} within {:.2} s (line {})", step.time_s, step.line);
+        }
+    }
     let _ = writeln!(
         text,
         "{} beams, {} without echo, {} that say nothing",
         report.beams, report.no_returns, report.unusable
     );
+    if report.left_out() > 0 {
+        let why: Vec<String> = left_out(report).into_iter().map(|(what, number)| format!("{number} {what}")).collect();
+        let _ = writeln!(text, "{} of {} scans are not in use: {}", report.left_out(), report.scans, why.join(", "));
+    }
     if report.damaged > 0 {
         let _ = writeln!(text, "{} damaged lines were skipped; the first:", report.damaged);
         report.problems.iter().take(3).for_each(|problem| {
