@@ -87,7 +87,12 @@ impl Carmen {
         }
     }
 
-    fn flaser(&mut self, fields: &mut Fields<'_>, mut message: Message<'_>, report: &mut Report) -> Result<Recorded, String> {
+    fn flaser(
+        &mut self,
+        fields: &mut Fields<'_>,
+        mut message: Message<'_>,
+        report: &mut Report,
+    ) -> Result<Recorded, String> {
         let beams = fields.count("number of ranges")?;
         if fields.left() != beams + BEHIND_FLASER {
             return Err(uneven(beams, fields.left(), BEHIND_FLASER));
@@ -126,7 +131,12 @@ impl Carmen {
         Ok(())
     }
 
-    fn robot_laser(&mut self, fields: &mut Fields<'_>, mut message: Message<'_>, report: &mut Report) -> Result<Recorded, String> {
+    fn robot_laser(
+        &mut self,
+        fields: &mut Fields<'_>,
+        mut message: Message<'_>,
+        report: &mut Report,
+    ) -> Result<Recorded, String> {
         self.described(fields, &mut message, BEHIND_ROBOTLASER)?;
         let laser = pose(fields, "laser pose")?;
         let robot = pose(fields, "robot pose")?;
@@ -137,7 +147,12 @@ impl Carmen {
         Ok(recorded)
     }
 
-    fn raw_laser(&mut self, fields: &mut Fields<'_>, mut message: Message<'_>, report: &mut Report) -> Result<Recorded, String> {
+    fn raw_laser(
+        &mut self,
+        fields: &mut Fields<'_>,
+        mut message: Message<'_>,
+        report: &mut Report,
+    ) -> Result<Recorded, String> {
         self.described(fields, &mut message, BEHIND_RAWLASER)?;
         message.time_s = fields.number("time", LATE_S)?;
         let laser = self.parameters.laser(message.laser);
@@ -229,7 +244,13 @@ fn is_odometry(recorded: &Recorded, odometry: Pose) -> bool {
 }
 
 impl Parser for Carmen {
-    fn line(&mut self, text: &[u8], number: u64, report: &mut Report, out: &mut VecDeque<Recorded>) -> Result<(), Fault> {
+    fn line(
+        &mut self,
+        text: &[u8],
+        number: u64,
+        report: &mut Report,
+        out: &mut VecDeque<Recorded>,
+    ) -> Result<(), Fault> {
         let first = text.split(u8::is_ascii_whitespace).find(|field| !field.is_empty()).unwrap_or_default();
         if first.starts_with(b"#") {
             report.skip("#");
@@ -238,7 +259,8 @@ impl Parser for Carmen {
         let name = message_name(first)?;
         let fields = &mut after_name(text);
         let message = |laser| Message { name, laser, line: number, time_s: 0.0, fan: None, max_m: None };
-        let numbered = |kind: &str| name.strip_prefix(kind).and_then(|k| k.parse().ok()).filter(|k| (1..=5).contains(k));
+        let numbered =
+            |kind: &str| name.strip_prefix(kind).and_then(|k| k.parse().ok()).filter(|k| (1..=5).contains(k));
         if name == "FLASER" || name == "RLASER" {
             let laser = if name == "FLASER" { 1 } else { 2 };
             let recorded = self.flaser(fields, message(laser), report)?;

@@ -62,12 +62,12 @@ pub enum LogError {
     /// A trajectory has another clock than the log.
     #[error(
         "{place}: none of its {scans} scans lies in the time of the trajectory: the log goes from {:.3} to {:.3} s, the trajectory from \
-         {:.3} to {:.3} s; {}",
+         {:.3} to {:.3} s; it has another clock: add {:.3} s to its times if both begin together",
         log_s[0],
         log_s[1],
         trajectory_s[0],
         trajectory_s[1],
-        clock_remedy(*log_s, *trajectory_s)
+        log_s[0] - trajectory_s[0]
     )]
     Clocks {
         /// The log.
@@ -90,16 +90,13 @@ pub enum LogError {
         reason: String,
     },
     /// Nothing in the file is a scan.
-    #[error(
-        "{place}: no scan in {lines} lines{reason}; give a CARMEN log with FLASER, RLASER, ROBOTLASER1, or RAWLASER1 and ODOM, or \
-         a table of scans"
-    )]
+    #[error("{place}: no scan in {lines} lines{reason}")]
     NoScan {
         /// The file.
         place: String,
         /// Number of lines.
         lines: u64,
-        /// The first problem or what was skipped, if anything was.
+        /// The first problem, or what was skipped and what to do.
         reason: String,
     },
     /// Too many lines are damaged.
@@ -149,13 +146,4 @@ pub enum LogError {
         /// The table.
         place: String,
     },
-}
-
-/// What to do about two clocks.
-fn clock_remedy(log: [f64; 2], trajectory: [f64; 2]) -> String {
-    let long = |span: [f64; 2]| span[1] - span[0];
-    if long(trajectory) > 50.0 * long(log) && log[0] > 0.0 && trajectory[0] / log[0] > 50.0 {
-        return "is it in another unit? convert its times to s".to_owned();
-    }
-    format!("it has another clock: add {:.3} s to its times if both begin together", log[0] - trajectory[0])
 }

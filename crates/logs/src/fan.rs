@@ -45,7 +45,11 @@ impl FanOptions {
         let within = |value: Option<f64>| value.is_none_or(|value| value.abs() <= TAU + ROUNDING_RAD);
         let fine = self.fov_rad.is_none_or(|fov| fov > 0.0) && self.step_rad.is_none_or(|step| step.abs() > 0.0);
         let all = [self.fov_rad, self.first_rad, self.step_rad].into_iter().all(within);
-        if all && fine { Ok(()) } else { Err("angles from -2 pi to 2 pi rad, the field of view above 0, the step not 0") }
+        if all && fine {
+            Ok(())
+        } else {
+            Err("angles from -2 pi to 2 pi rad, the field of view above 0, the step not 0")
+        }
     }
 
     /// The fan of so many beams; none where nothing is known.
@@ -81,7 +85,8 @@ fn steps_of(beams: usize, fov_rad: f64) -> f64 {
 /// First bearing of beams around the axis. Where a whole beam is missing of a usual field of view, it is the last.
 fn centred(beams: usize, step_rad: f64) -> f64 {
     let covers = |steps: usize| (steps as f64 * step_rad.abs()).to_degrees();
-    let usual = |degrees: f64| [90.0, 180.0, 240.0, 270.0, 360.0].iter().any(|usual: &f64| (usual - degrees).abs() < 0.05);
+    let usual =
+        |degrees: f64| [90.0, 180.0, 240.0, 270.0, 360.0].iter().any(|usual: &f64| (usual - degrees).abs() < 0.05);
     let steps = if usual(covers(beams)) { beams } else { beams.saturating_sub(1) };
     -0.5 * step_rad * steps as f64
 }

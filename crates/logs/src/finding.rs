@@ -228,20 +228,20 @@ impl fmt::Display for Finding {
                 write!(
                     f,
                     "line {line}: {sensor} does not say where its {beams} beams are; by their number they are taken to go {}{why}: \
-                     if that is wrong, give the field of view, the first bearing or the increment",
+                     if that is wrong, give --fov, --first-bearing or --increment",
                     degrees(fan, *beams)
                 )
             }
             Self::UnevenFan { sensor, line, beams, fan } => write!(
                 f,
                 "line {line}: PARAM lines give {sensor} a field of view and a resolution that do not fit {beams} beams; they are \
-                 taken to go {}: if that is wrong, give the field of view, the first bearing or the increment",
+                 taken to go {}: if that is wrong, give --fov, --first-bearing or --increment",
                 degrees(fan, *beams)
             ),
             Self::OdometryPoses { sensor, scans } => write!(
                 f,
                 "the pose equals the odometry in all {scans} scans of {sensor}: the log is not corrected, unless a program wrote \
-                 corrected poses into both; a SLAM program's poses can be given as a trajectory"
+                 corrected poses into both; a SLAM program's poses are given by --trajectory"
             ),
             Self::Jump { step, count } => write!(
                 f,
@@ -267,7 +267,7 @@ impl fmt::Display for Finding {
                 write!(f, "{count} steps back in time, the largest of {largest_s:.1} s at line {line}")?;
                 let hint = "are there two clocks, or two logs in one?";
                 if *window {
-                    write!(f, ": a time window takes scans of several parts of the log; {hint}")
+                    write!(f, ": --window takes scans of several parts of the log; {hint}")
                 } else {
                     write!(f, ": {hint}")
                 }
@@ -280,13 +280,17 @@ impl fmt::Display for Finding {
             Self::Gaps { scans, longest_s, from_s, most_s } => write!(
                 f,
                 "{scans} scans are left out: they lie where no pose is known for more than {most_s} s, at most for {longest_s:.1} s \
-                 from {from_s:.3} s on; a longer gap can be allowed"
+                 from {from_s:.3} s on; --max-gap allows longer gaps"
             ),
             Self::Unplaced { scans } => {
                 write!(f, "{scans} scans of raw lasers are left out: there is no ODOM before and after them")
             }
             Self::ZeroDisparities { count, beams } => {
-                write!(f, "{} are exactly 0 and are taken for no match: a disparity of 0 is a point at infinity", share(*count, *beams))
+                write!(
+                    f,
+                    "{} are exactly 0 and are taken for no match: a disparity of 0 is a point at infinity",
+                    share(*count, *beams)
+                )
             }
             Self::InfiniteDisparities { count } => write!(
                 f,
@@ -294,7 +298,7 @@ impl fmt::Display for Finding {
             ),
             Self::LargeDisparities { count, beams, most_px } => write!(
                 f,
-                "{} lie above the largest disparity, {most_px} px, and are taken for no match: are they sixteenths (OpenCV) or \
+                "{} lie above the largest disparity, {most_px} px (--max-disparity), and are taken for no match: are they sixteenths (OpenCV) or \
                  256ths (KITTI) of a pixel, or is the camera's bound larger?",
                 share(*count, *beams)
             ),
@@ -310,16 +314,19 @@ impl fmt::Display for Finding {
                 "line {line}: the row stands apart from the others of its scan, as {count} do, which became scans of their own: \
                  sort the rows by the column scan"
             ),
-            Self::GuessedMount { sensor, taken } => write!(
-                f,
-                "no PARAM line says where {sensor} stands on the robot; it is taken to be {taken}"
-            ),
+            Self::GuessedMount { sensor, taken } => {
+                write!(f, "no PARAM line says where {sensor} stands on the robot; it is taken to be {taken}")
+            }
             Self::TrajectoryUnit { unit } => write!(f, "times of the trajectory are taken for {unit}"),
             Self::TrajectorySorted { steps_back } => {
                 write!(f, "the poses of the trajectory were sorted by time, which went back {steps_back} times")
             }
-            Self::TrajectoryDoubled { count } => write!(f, "{count} poses of the trajectory come twice and are used once"),
-            Self::ScalarFirst { named: true } => write!(f, "quaternions of the trajectory are in the order w x y z, as its columns are named"),
+            Self::TrajectoryDoubled { count } => {
+                write!(f, "{count} poses of the trajectory come twice and are used once")
+            }
+            Self::ScalarFirst { named: true } => {
+                write!(f, "quaternions of the trajectory are in the order w x y z, as its columns are named")
+            }
             Self::ScalarFirst { named: false } => write!(
                 f,
                 "quaternions of the trajectory are taken to be in the order w x y z: in the order x y z w the body would be tilted; \

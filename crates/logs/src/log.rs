@@ -98,6 +98,7 @@ impl<'a> Log<'a> {
             return Err(LogError::Untimed { place: self.place });
         }
         self.report.noted.extend_from_slice(trajectory.findings());
+        self.report.along_trajectory = true;
         self.choice.along(trajectory, body);
         Ok(self)
     }
@@ -304,7 +305,8 @@ impl<'a> Log<'a> {
             None if self.report.lines == 0 => ": it is empty".to_owned(),
             None => {
                 let names: Vec<_> = self.report.skipped.keys().take(5).cloned().collect();
-                if names.is_empty() { String::new() } else { format!(", only {}", names.join(", ")) }
+                let only = if names.is_empty() { String::new() } else { format!(", only {}", names.join(", ")) };
+                only + "; give a CARMEN log with FLASER, RLASER, ROBOTLASER1, or RAWLASER1 and ODOM, or a table of scans"
             }
         };
         LogError::NoScan { place: self.place.clone(), lines: self.report.lines, reason }

@@ -107,10 +107,8 @@ mod tests {
         assert!(fine.check().is_ok());
         assert!(Options { max_range_m: Some(f64::INFINITY), ..fine.clone() }.check().is_ok());
         assert!(Options { max_gap_s: f64::INFINITY, ..fine.clone() }.check().is_ok());
-        let fan = |fov_rad, first_rad, step_rad| Options {
-            fan: FanOptions { fov_rad, first_rad, step_rad },
-            ..fine.clone()
-        };
+        let fan =
+            |fov_rad, first_rad, step_rad| Options { fan: FanOptions { fov_rad, first_rad, step_rad }, ..fine.clone() };
         for (name, options) in [
             ("min_range_m", Options { min_range_m: f64::NAN, ..fine.clone() }),
             ("min_range_m", Options { min_range_m: -1.0, ..fine.clone() }),

@@ -147,6 +147,8 @@ pub struct Report {
     pub codes: NoMatchCodes,
     /// The largest disparity that is a reading, px; infinite without a bound.
     pub max_disparity_px: f64,
+    /// Whether a trajectory gives the poses.
+    pub along_trajectory: bool,
     /// Whether no scan lies in the time of the trajectory.
     pub clocks_differ: bool,
     /// Whether a time window was asked for.
@@ -171,6 +173,9 @@ impl Report {
     /// What is to be known of the log, warnings first.
     pub fn findings(&self) -> Vec<Finding> {
         let mut all: Vec<Finding> = self.sensors.values().flat_map(sensor_findings).collect();
+        if self.along_trajectory {
+            all.retain(|finding| !matches!(finding, Finding::OdometryPoses { .. }));
+        }
         let Motion { jump, jumps, twist, twists, .. } = self.motion;
         all.extend(jump.map(|step| Finding::Jump { step, count: jumps }));
         all.extend(twist.map(|step| Finding::Twist { step, count: twists }));

@@ -53,8 +53,10 @@ impl Strays {
             out.push_back(recorded);
             return;
         }
-        let last = |group: &[(u64, Recorded)]| group.last().is_some_and(|(_, last)| near(self::place(last), place));
-        let group = self.groups.iter().rposition(|group| last(group)).unwrap_or_else(|| {
+        let last = |group: &[(u64, Recorded)]| group.last().map(|(_, last)| self::place(last));
+        let away_m = |k: &usize| last(&self.groups[*k]).map_or(f64::INFINITY, |last| distance_m(last.0, place.0));
+        let group = (0..self.groups.len()).filter(|k| last(&self.groups[*k]).is_some_and(|last| near(last, place)));
+        let group = group.min_by(|a, b| away_m(a).total_cmp(&away_m(b))).unwrap_or_else(|| {
             self.groups.push(Vec::new());
             self.groups.len() - 1
         });

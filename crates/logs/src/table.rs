@@ -137,7 +137,13 @@ mod tests {
 
     #[test]
     fn rows_of_one_number_and_pose_are_a_laser_scan() {
-        let rows = rows(&["0,1,2,0.5,-0.1,4", "0,1,2,0.5,0,inf", "0,1,2,0.5,0.1,", "0,1,2.5,0.5,0,90", "7,1,2.5,0.5,0,\"-1\""]);
+        let rows = rows(&[
+            "0,1,2,0.5,-0.1,4",
+            "0,1,2,0.5,0,inf",
+            "0,1,2,0.5,0.1,",
+            "0,1,2.5,0.5,0,90",
+            "7,1,2.5,0.5,0,\"-1\"",
+        ]);
         let (all, _) = scans(HEAD, &rows);
         let readings: Vec<_> = all.iter().map(|recorded| recorded.scan.readings.clone()).collect();
         assert_eq!(readings, [vec![Some(4.0), Some(f64::INFINITY), None], vec![Some(f64::INFINITY)], vec![None]]);
@@ -146,7 +152,10 @@ mod tests {
         assert_eq!(all[0].kind, Sensor::Laser { max_range_m: 80.0, beams: 3 });
         // Of one number, and so of one time: two sensors.
         assert_eq!(all.iter().map(|recorded| recorded.scan.time_s).collect::<Vec<_>>(), [0.0, 0.0, 1.0]);
-        assert_eq!(all.iter().map(|recorded| (recorded.sensor, recorded.line)).collect::<Vec<_>>(), [(0, 2), (1, 5), (0, 6)]);
+        assert_eq!(
+            all.iter().map(|recorded| (recorded.sensor, recorded.line)).collect::<Vec<_>>(),
+            [(0, 2), (1, 5), (0, 6)]
+        );
     }
 
     #[test]
@@ -177,12 +186,15 @@ mod tests {
 
     #[test]
     fn however_rows_are_sorted_the_scans_are_the_same() {
-        let head = |sensors: bool| format!("scan,time_s,x_m,y_m,theta_rad,bearing_rad,range_m{}", if sensors { ",sensor" } else { "" });
+        let head = |sensors: bool| {
+            format!("scan,time_s,x_m,y_m,theta_rad,bearing_rad,range_m{}", if sensors { ",sensor" } else { "" })
+        };
         let read = |order: &[[usize; 3]], sensors: bool| {
             let lines: Vec<_> = order.iter().map(|row| text(*row, sensors)).collect();
             let (mut all, report) = scans(&head(sensors), &lines);
             all.sort_by_key(|recorded| (recorded.number, recorded.sensor));
-            let found: Vec<_> = all.into_iter().map(|recorded| (recorded.number, recorded.sensor, recorded.scan)).collect();
+            let found: Vec<_> =
+                all.into_iter().map(|recorded| (recorded.number, recorded.sensor, recorded.scan)).collect();
             (found, report.noted.len())
         };
         let blocks = two_lasers();
@@ -196,9 +208,20 @@ mod tests {
         let mut by_bearing = blocks.clone();
         by_bearing.sort_by_key(|[scan, sensor, beam]| (*beam, *scan, *sensor));
         let mut shuffled = blocks.clone();
-        shuffled.sort_by_key(|[scan, sensor, beam]| ((scan * 31 + sensor * 17 + beam * 7) % 101, *scan, *sensor, *beam));
-        for (order, sensors, notes) in [(&turns, false, 0), (&turns, true, 0), (&whole_runs, true, 0), (&by_bearing, false, 1), (&by_bearing, true, 1), (&shuffled, true, 1)] {
-            let expected: Vec<_> = expected.iter().map(|(number, sensor, scan)| (*number, if sensors { 7 * sensor } else { *sensor }, scan.clone())).collect();
+        shuffled
+            .sort_by_key(|[scan, sensor, beam]| ((scan * 31 + sensor * 17 + beam * 7) % 101, *scan, *sensor, *beam));
+        for (order, sensors, notes) in [
+            (&turns, false, 0),
+            (&turns, true, 0),
+            (&whole_runs, true, 0),
+            (&by_bearing, false, 1),
+            (&by_bearing, true, 1),
+            (&shuffled, true, 1),
+        ] {
+            let expected: Vec<_> = expected
+                .iter()
+                .map(|(number, sensor, scan)| (*number, if sensors { 7 * sensor } else { *sensor }, scan.clone()))
+                .collect();
             assert_eq!(read(order, sensors), (expected, notes));
         }
     }

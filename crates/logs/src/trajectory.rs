@@ -14,6 +14,7 @@
 //! | poses far from those around them | left out, if they are few |
 
 mod clock;
+mod head;
 mod orientation;
 mod rows;
 
@@ -23,7 +24,8 @@ use std::path::Path;
 
 use sensor::Pose;
 
-use self::rows::{Names, Row};
+use self::head::{Names, is_head};
+use self::rows::Row;
 use crate::error::LogError;
 use crate::finding::Finding;
 use crate::frames::{between, distance_m};
@@ -101,10 +103,10 @@ impl Trajectory {
                 Some((_, Line::TooLong)) => return Err(refused(line, format!("is longer than {LONGEST_LINE} bytes"))),
                 Some((_, Line::Text(text))) => match text.trim_ascii() {
                     [] => {}
-                    head if head[0] == b'#' || rows.is_empty() && !named && is_head(head) => {
+                    line if line[0] == b'#' || rows.is_empty() && !named && is_head(line) => {
                         if rows.is_empty() && !named {
-                            names = rows::names(head);
-                            named = names != Names::default() || head[0] != b'#';
+                            names = head::names(line);
+                            named = names != Names::default() || line[0] != b'#';
                         }
                     }
                     _ if rows.len() == MOST_POSES => {
@@ -153,7 +155,9 @@ impl Trajectory {
     /// there is no gap.
     pub fn at(&self, time_s: f64, max_gap_s: f64) -> At {
         let after = self.stamps.partition_point(|(stamp, _)| *stamp <= time_s);
-        let Some(&(before_s, before)) = after.checked_sub(1).and_then(|k| self.stamps.get(k)) else { return At::Outside };
+        let Some(&(before_s, before)) = after.checked_sub(1).and_then(|k| self.stamps.get(k)) else {
+            return At::Outside;
+        };
         let Some(&(after_s, after)) = self.stamps.get(after) else {
             return if time_s <= before_s { At::Pose(before) } else { At::Outside };
         };
@@ -167,12 +171,6 @@ impl Trajectory {
         }
         At::Pose(between(before, after, (time_s - before_s) / long_s))
     }
-}
-
-/// Whether a line names columns: none of its fields is a number.
-fn is_head(text: &[u8]) -> bool {
-    let fields = rows::fields(text);
-    fields.len() >= 8 && fields.iter().all(|field| crate::fields::number(field).is_none())
 }
 
 /// Leaves out groups of few poses far from those before and behind them.
@@ -255,10 +253,16 @@ mod tests {
             (format!("{fine}2 0 0 0 0 0 1"), "a.tum:2: 7 fields; must be 8"),
             (format!("{fine}2 0 0 0 0 0 0 x"), "a.tum:2: field 8, qw: \"x\" is no number"),
             (format!("{fine}2 nan 0 0 0 0 0 1"), "a.tum:2: field 2, x: \"nan\" must be"),
-            (format!("{fine}1 0.5 0 0 0 0 0 1"), "a.tum:2: time 1 s: is there twice with different poses, first in line 1"),
+            (
+                format!("{fine}1 0.5 0 0 0 0 0 1"),
+                "a.tum:2: time 1 s: is there twice with different poses, first in line 1",
+            ),
             ("1 0 0 0 0 0 0 0.94".to_owned(), "quaternion of norm 0.9400: must be 1 to within 0.05"),
             ("1 0 0 8 0 1 0 8 0 0 1 0".to_owned(), "a matrix, as in the format of KITTI"),
-            ("1 0 0 0.5".to_owned(), "4 fields; must be 8: time x y z qx qy qz qw: heights and quaternions are missing"),
+            (
+                "1 0 0 0.5".to_owned(),
+                "4 fields; must be 8: time x y z qx qy qz qw: heights and quaternions are missing",
+            ),
             ("1 0 0 0 0 0 0 0".to_owned(), "quaternion of norm 0.0000"),
             ("1 0 0 0 -0.5 0.5 -0.5 0.5".to_owned(), "tilted by 90 degrees"),
         ] {

@@ -46,7 +46,11 @@ fn the_logs_own_parameters_beat_the_number_of_beams_and_options_beat_both() {
     assert_eq!(ends(&plain[0]), [-900, 895]);
     assert_eq!(said(&report).len(), 1);
     assert!(matches!(report.findings()[0], Finding::GuessedFan { usual: true, beams: 360, line: 1, .. }));
-    assert!(said(&report)[0].1.contains("its 360 beams are; by their number they are taken to go from -90.0 to 89.5 degrees"));
+    assert!(
+        said(&report)[0]
+            .1
+            .contains("its 360 beams are; by their number they are taken to go from -90.0 to 89.5 degrees")
+    );
 
     let both = format!("{full}{}{}", text(&drive(360)[..20]), text(&[scan(20, 361)]));
     let (scans, report) = read(&both, &Options::default());
@@ -59,7 +63,8 @@ fn the_logs_own_parameters_beat_the_number_of_beams_and_options_beat_both() {
 
     let (_, report) = read(&text(&drive(100)), &Options::default());
     assert!(said(&report)[0].0 && said(&report)[0].1.contains("no usual number"), "{report}");
-    let uneven = format!("PARAM laser_front_laser_fov 180\nPARAM laser_front_laser_resolution 1\n{}", text(&drive(361)));
+    let uneven =
+        format!("PARAM laser_front_laser_fov 180\nPARAM laser_front_laser_resolution 1\n{}", text(&drive(361)));
     let (scans, report) = read(&uneven, &Options::default());
     assert_eq!(ends(&scans[0]), [-900, 900], "the field of view decides");
     assert!(matches!(report.findings()[..], [Finding::UnevenFan { .. }]), "{report}");
@@ -169,13 +174,21 @@ fn jumps_and_turns_are_warned_of_with_their_lines_and_a_good_drive_is_not() {
     let mut jump = drive(181);
     jump[30..].iter_mut().for_each(|scan| scan.pose.x_m += 9.0);
     let found = warnings(&jump);
-    assert!(found.len() == 1 && found[0].starts_with("line 31: the sensor is 9.05 m from where it was at line 30"), "{found:?}");
+    assert!(
+        found.len() == 1 && found[0].starts_with("line 31: the sensor is 9.05 m from where it was at line 30"),
+        "{found:?}"
+    );
     let mut turn = drive(181);
     turn[10].pose.theta_rad += 2.0;
     let found = warnings(&turn);
-    assert!(found.len() == 1 && found[0].contains("turned by 115 degrees") && found[0].contains("(2 such turns)"), "{found:?}");
-    let centimetres: Vec<_> =
-        drive(181).into_iter().map(|scan| Scan { pose: Pose { x_m: 100.0 * scan.pose.x_m, ..scan.pose }, ..scan }).collect();
+    assert!(
+        found.len() == 1 && found[0].contains("turned by 115 degrees") && found[0].contains("(2 such turns)"),
+        "{found:?}"
+    );
+    let centimetres: Vec<_> = drive(181)
+        .into_iter()
+        .map(|scan| Scan { pose: Pose { x_m: 100.0 * scan.pose.x_m, ..scan.pose }, ..scan })
+        .collect();
     assert!(warnings(&centimetres)[0].contains("centimetres"));
 }
 
@@ -187,9 +200,12 @@ fn two_clocks_are_counted_with_the_largest_step() {
     let (found, report) = read(&text(&scans), &Options::default());
     assert_eq!((found.len(), report.steps_back), (40, 2));
     let warning = &said(&report)[0];
-    assert!(warning.0 && warning.1.starts_with("2 steps back in time, the largest of 24.9 s at line 21"), "{warning:?}");
+    assert!(
+        warning.0 && warning.1.starts_with("2 steps back in time, the largest of 24.9 s at line 21"),
+        "{warning:?}"
+    );
     let (_, report) = read(&text(&scans), &Options { window_s: Some(0.0..1.0), ..Options::default() });
-    assert!(said(&report)[0].1.contains("a time window takes scans of several parts of the log"));
+    assert!(said(&report)[0].1.contains("--window takes scans of several parts of the log"));
 }
 
 /// Poses for the drive, in the TUM format, of these scans.
@@ -208,14 +224,18 @@ fn gaps_of_a_trajectory_are_not_bridged() {
     let along = |max_gap_s| {
         let text = text(&drive(181));
         let options = Options { max_gap_s, ..Options::default() };
-        let mut log = Log::read(text.as_bytes(), "a.log", &options).expect("fine").along(gap(), Body::Sensor).expect("timed");
-        let scans = log.by_ref().map(|scan| scan.expect("fine")).count();
+        let mut log =
+            Log::read(text.as_bytes(), "a.log", &options).expect("fine").along(gap(), Body::Sensor).expect("timed");
+        let scans = log.by_ref().filter(Result::is_ok).count();
         (scans, log.report().clone())
     };
     let (scans, report) = along(1.0);
     assert_eq!((scans, report.in_gaps, report.outside_trajectory), (25, 15, 0));
-    let note = &said(&report)[0].1;
-    assert!(note.contains("15 scans are left out: they lie where no pose is known for more than 1 s, at most for 1.6 s"), "{note}");
+    let note = said(&report).into_iter().map(|(_, text)| text).collect::<String>();
+    assert!(
+        note.contains("15 scans are left out: they lie where no pose is known for more than 1 s, at most for 1.6 s"),
+        "{note}"
+    );
     assert_eq!(along(2.0).0, 40);
     // Keyframes that are far apart still give the poses of their own scans.
     let text = text(&drive(181));
@@ -227,8 +247,10 @@ fn gaps_of_a_trajectory_are_not_bridged() {
 #[test]
 fn another_clock_is_an_error_that_gives_both_spans() {
     let text = text(&drive(181));
-    let mut log =
-        Log::read(text.as_bytes(), "a.log", &Options::default()).expect("fine").along(poses(0..40, -1000.0), Body::Sensor).expect("timed");
+    let mut log = Log::read(text.as_bytes(), "a.log", &Options::default())
+        .expect("fine")
+        .along(poses(0..40, -1000.0), Body::Sensor)
+        .expect("timed");
     let error = log.next().expect("an error").expect_err("another clock");
     assert!(matches!(error, LogError::Clocks { scans: 40, .. }));
     let message = error.to_string();
@@ -245,7 +267,12 @@ fn camera(scale: f64, code: &str) -> String {
     for k in 0..10 {
         for beam in 0..20 {
             let reading = if beam % 5 == 0 { code.to_owned() } else { format!("{}", scale * f64::from(4 + beam)) };
-            text += &format!("{k},{},{},0,0,{},{reading}\n", 0.1 * f64::from(k), 0.1 * f64::from(k), 0.02 * f64::from(beam));
+            text += &format!(
+                "{k},{},{},0,0,{},{reading}\n",
+                0.1 * f64::from(k),
+                0.1 * f64::from(k),
+                0.02 * f64::from(beam)
+            );
         }
     }
     text
@@ -256,7 +283,9 @@ fn every_code_for_no_match_means_the_same() {
     let options = Options { max_disparity_px: Some(64.0), ..Options::default() };
     let (expected, report) = read(&camera(1.0, ""), &options);
     assert_eq!(said(&report), []);
-    for (code, finding) in [("-1", ""), ("-16", ""), ("nan", ""), ("0", "exactly 0"), ("inf", "infinite"), ("65535", "largest disparity")] {
+    for (code, finding) in
+        [("-1", ""), ("-16", ""), ("nan", ""), ("0", "exactly 0"), ("inf", "infinite"), ("65535", "largest disparity")]
+    {
         let (scans, report) = read(&camera(1.0, code), &options);
         assert_eq!(scans, expected, "{code}");
         let said = said(&report);
@@ -264,7 +293,8 @@ fn every_code_for_no_match_means_the_same() {
         assert!(said.iter().all(|(_, text)| text.contains(finding)), "{code}: {said:?}");
     }
     for scale in [16.0, 256.0] {
-        let error = Log::read(camera(scale, "-16").as_bytes(), "a.csv", &options).err().expect("out of scale").to_string();
+        let error =
+            Log::read(camera(scale, "-16").as_bytes(), "a.csv", &options).err().expect("out of scale").to_string();
         assert!(error.contains("% of 16 disparities lie above the largest that is searched, 64 px"), "{error}");
     }
 }

@@ -70,7 +70,8 @@ fn laser_scans() {
 
 #[test]
 fn a_trajectory_gives_the_poses_of_a_timed_table() {
-    let trajectory = Trajectory::read(&b"6 3 4 0 0 0 0 1\n7 4 4 0 0 0 0 1\n8 5 4 0 0 0 0 1"[..], "a.tum").expect("fine");
+    let trajectory =
+        Trajectory::read(&b"6 3 4 0 0 0 0 1\n7 4 4 0 0 0 0 1\n8 5 4 0 0 0 0 1"[..], "a.tum").expect("fine");
     let text = stereo(&drive());
     let mut log = Log::table(text.as_bytes(), "a.csv", &Options::default()).expect("fine");
     log = log.along(trajectory, Body::Robot).expect("timed");
@@ -106,9 +107,9 @@ fn a_wrong_head_is_refused_with_its_line() {
 
 #[test]
 fn scans_out_of_order_are_reported() {
-    let text = format!("{LASER}\n3,0,0,0,0,1\n2,0,0,0,0,1\n3,0,0,0,0,1\n");
-    let (scans, report, _) = read(text, &Options::default()).expect("fine");
-    assert_eq!((scans.len(), report.steps_back), (3, 1));
+    let rows = [0, 1, 2, 3, 5, 4, 6].map(|k| format!("{k},0,0,0,0,1\n{k},0,0,0,0.1,1\n"));
+    let (scans, report, _) = read(format!("{LASER}\n{}", rows.concat()), &Options::default()).expect("fine");
+    assert_eq!((scans.len(), report.steps_back), (7, 1));
 }
 
 #[test]

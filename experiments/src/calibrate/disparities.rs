@@ -97,7 +97,11 @@ fn check_scale(matches: &[Match]) -> Result<(), String> {
     let middle = ratios.len() / 2;
     let median = *ratios.select_nth_unstable_by(middle, f64::total_cmp).1;
     let Some(scale) = SCALES.into_iter().find(|scale| (0.8..1.25).contains(&(median / scale))) else { return Ok(()) };
-    let who = if scale < 100.0 { "sixteenths of a pixel, as OpenCV writes them" } else { "256ths of a pixel, as KITTI has them" };
+    let who = if scale < 100.0 {
+        "sixteenths of a pixel, as OpenCV writes them"
+    } else {
+        "256ths of a pixel, as KITTI has them"
+    };
     Err(format!("disparity_px is {scale} times true_disparity_px in the median ({who}): divide it by {scale}"))
 }
 
@@ -154,7 +158,9 @@ pub(super) fn calibrate(table: &Table, options: &CalibrateOptions) -> Result<Cal
         ));
     }
     if *no_match > 0 {
-        notes.push(format!("{no_match} rows without a match (empty, NaN, negative, infinite, or 0 where many are) were left out"));
+        notes.push(format!(
+            "{no_match} rows without a match (empty, NaN, negative, infinite, or 0 where many are) were left out"
+        ));
     }
     if used.iter().filter(|m| m.read_px.fract() == 0.0).count() * 2 > used.len() {
         notes.push("most disparities are whole pixels: sigma holds their rounding (0.29 px) too".to_owned());

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::reading::FanArgs;
 use crate::cli::{Format, MOST_THREADS, count, positive};
+use crate::reading::FanArgs;
 
 /// Options of `calibrate`.
 #[derive(Debug, Args)]

@@ -203,9 +203,9 @@ fn configuration(told: &Told) -> Value {
 /// What is to be known of the log, and the largest steps in it.
 fn findings(report: &Report) -> Value {
     let step = |step: Option<logs::Step>| {
-        step.map(|step| {
-            json!({"line": step.line, "move_m": step.move_m, "turn_rad": step.turn_rad, "time_s": step.time_s})
-        })
+        step.map(
+            |step| json!({"line": step.line, "move_m": step.move_m, "turn_rad": step.turn_rad, "time_s": step.time_s}),
+        )
     };
     let said = |finding: logs::Finding| json!({"warning": finding.is_warning(), "text": finding.to_string()});
     json!({
@@ -226,7 +226,8 @@ pub(super) fn text(told: &Told) -> String {
                 "move" => format!("{:.2} m", step.move_m),
                 _ => format!("{:.0} degrees", step.turn_rad.to_degrees()),
             };
-            let _ = writeln!(text, "largest {what} between scans: {size} within {:.2} s (line {})", step.time_s, step.line);
+            let _ =
+                writeln!(text, "largest {what} between scans: {size} within {:.2} s (line {})", step.time_s, step.line);
         }
     }
     let _ = writeln!(
@@ -235,8 +236,10 @@ pub(super) fn text(told: &Told) -> String {
         report.beams, report.no_returns, report.unusable
     );
     if report.left_out() > 0 {
-        let why: Vec<String> = left_out(report).into_iter().map(|(what, number)| format!("{number} {what}")).collect();
-        let _ = writeln!(text, "{} of {} scans are not in use: {}", report.left_out(), report.scans, why.join(", "));
+        let _ = writeln!(text, "{} of {} scans are not in use:", report.left_out(), report.scans);
+        left_out(report).into_iter().for_each(|(what, number)| {
+            let _ = writeln!(text, "  {number} {what}");
+        });
     }
     if report.damaged > 0 {
         let _ = writeln!(text, "{} damaged lines were skipped; the first:", report.damaged);

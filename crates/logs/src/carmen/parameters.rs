@@ -111,7 +111,7 @@ mod tests {
     fn parameters_are_told_by_laser_and_unit() {
         let mut parameters = Parameters::default();
         for line in [
-            "laser_front_laser_fov 6.283185",
+            "laser_front_laser_fov 4.5",
             "laser_front_laser_resolution 0.5 host 1",
             "robot_front_laser_max 30",
             "robot_frontlaser_offset 0.25",
@@ -126,7 +126,7 @@ mod tests {
             parameters.take(&mut Fields::by_blanks(line.as_bytes())).expect(line);
         }
         let [front, rear, third] = [1, 2, 3].map(|laser| parameters.laser(laser));
-        assert_eq!((front.fan.fov_rad, front.fan.step_rad), (Some(6.283185), Some(0.5f64.to_radians())));
+        assert_eq!((front.fan.fov_rad, front.fan.step_rad), (Some(4.5), Some(0.5f64.to_radians())));
         assert_eq!((front.max_range_m, front.mount(1)), (Some(30.0), Pose { x_m: 0.25, ..Pose::default() }));
         assert_eq!((rear.fan.fov_rad, rear.fan.step_rad), (Some(180f64.to_radians()), Some(0.017453)));
         assert_eq!(rear.mount(2), Pose { theta_rad: 3.1, ..Pose::default() });

@@ -34,10 +34,26 @@ const MAGIC: &[(&[u8], &str, &str)] = &[
 
 /// First words of a text, what they are of, and what to do.
 const WORDS: &[(&str, &str, &str)] = &[
-    ("VERTEX", "a pose graph (g2o, TORO)", "it has poses and no scans: give the log that it was made from, and its poses as a trajectory"),
-    ("EDGE", "a pose graph (g2o, TORO)", "it has poses and no scans: give the log that it was made from, and its poses as a trajectory"),
-    ("LASER_READING", "a log of GFS (GMapping)", "write its readings as FLASER lines, of which n ranges and the pose x y theta are the same"),
-    ("ODOM_POS", "a log of GFS (GMapping)", "write its readings as FLASER lines, of which n ranges and the pose x y theta are the same"),
+    (
+        "VERTEX",
+        "a pose graph (g2o, TORO)",
+        "it has poses and no scans: give the log that it was made from, and its poses as a trajectory",
+    ),
+    (
+        "EDGE",
+        "a pose graph (g2o, TORO)",
+        "it has poses and no scans: give the log that it was made from, and its poses as a trajectory",
+    ),
+    (
+        "LASER_READING",
+        "a log of GFS (GMapping)",
+        "write its readings as FLASER lines, of which n ranges and the pose x y theta are the same",
+    ),
+    (
+        "ODOM_POS",
+        "a log of GFS (GMapping)",
+        "write its readings as FLASER lines, of which n ranges and the pose x y theta are the same",
+    ),
     ("rosbag2_bagfile_information:", "the description of a ROS 2 bag", BAG),
     ("version https://git-lfs", "a placeholder of Git LFS", "fetch the file itself with git lfs pull"),
     ("<!DOCTYPE", "a web page", "download the file itself"),
@@ -102,7 +118,16 @@ mod tests {
         let mut archive = vec![b'a'; 512];
         archive[257..262].copy_from_slice(b"ustar");
         assert_eq!(named(&archive).map(|(what, _)| what), Some("a tar archive"));
-        for start in [&b""[..], b"\n", b"FLASER 1 2", b"scan,x_m", b"# CARMEN", b"PARAM a b", b"1.0 2.0", b"\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0"] {
+        for start in [
+            &b""[..],
+            b"\n",
+            b"FLASER 1 2",
+            b"scan,x_m",
+            b"# CARMEN",
+            b"PARAM a b",
+            b"1.0 2.0",
+            b"\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0",
+        ] {
             assert_eq!(named(start), None, "{start:?}");
         }
     }

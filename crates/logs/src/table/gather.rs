@@ -138,7 +138,13 @@ impl Gather {
     }
 
     /// Takes a row; adds the scans that are complete.
-    pub(super) fn add(&mut self, row: &Row, reading: Option<f64>, line: u64, out: &mut Vec<Group>) -> Result<(), Fault> {
+    pub(super) fn add(
+        &mut self,
+        row: &Row,
+        reading: Option<f64>,
+        line: u64,
+        out: &mut Vec<Group>,
+    ) -> Result<(), Fault> {
         let key = Key::of(row);
         if self.now != Some(key.instant) {
             self.turn_to(key.instant, out);

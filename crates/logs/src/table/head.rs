@@ -58,16 +58,15 @@ impl Separator {
 
     /// The fields of a row without blanks and quotes around them.
     pub(super) fn cells(self, line: &[u8]) -> Vec<&[u8]> {
-        let plain = |cell: &'_ [u8]| -> usize { usize::from(cell.len() > 1 && cell[0] == b'"' && cell.ends_with(b"\"")) };
+        let plain =
+            |cell: &'_ [u8]| -> usize { usize::from(cell.len() > 1 && cell[0] == b'"' && cell.ends_with(b"\"")) };
         let unquoted = |cell| {
             let cell: &[u8] = cell;
             let quotes = plain(cell);
             &cell[quotes..cell.len() - quotes]
         };
         match self {
-            Self::Blanks => {
-                line.split(u8::is_ascii_whitespace).filter(|cell| !cell.is_empty()).map(unquoted).collect()
-            }
+            Self::Blanks => line.split(u8::is_ascii_whitespace).filter(|cell| !cell.is_empty()).map(unquoted).collect(),
             Self::Byte(byte) => line.split(|other| *other == byte).map(|cell| unquoted(cell.trim_ascii())).collect(),
         }
     }
@@ -86,7 +85,8 @@ impl Head {
         }
         let bytes = Separator::of(line).cells(line);
         let numbers = bytes.len() >= 3 && bytes.iter().all(|cell| number(cell).is_some());
-        let message = bytes.first().is_some_and(|first| is_message_name(first) && first.iter().all(|b| !b.is_ascii_lowercase()));
+        let message =
+            bytes.first().is_some_and(|first| is_message_name(first) && first.iter().all(|b| !b.is_ascii_lowercase()));
         let columns = bytes.len() >= 3 && Separator::of(line) != Separator::Blanks && line.is_ascii() && !message;
         if numbers || columns { Self::Names } else { Self::None }
     }
@@ -116,7 +116,11 @@ impl Columns {
         let all = || must.map(|k| NAMES[k]).join(",") + " and range_m or disparity_px";
         if names.iter().all(|name| number(name.as_bytes()).is_some()) {
             let hint = if names.len() == 8 { "; a trajectory is given beside a log (--trajectory)" } else { "" };
-            return Err(format!("{} numbers, and no names of columns; the first line must have {}{hint}", names.len(), all()));
+            return Err(format!(
+                "{} numbers, and no names of columns; the first line must have {}{hint}",
+                names.len(),
+                all()
+            ));
         }
         let mut places = [None; NAMES.len()];
         for (place, name) in places.iter_mut().zip(NAMES) {
@@ -131,7 +135,11 @@ impl Columns {
             let found: String = names.join(",").chars().filter(|c| !c.is_control()).take(100).collect();
             let are = if missing.len() == 1 { "is" } else { "are" };
             let columns = if missing.len() == 1 { "column" } else { "columns" };
-            return Err(format!("{columns} {}: {are} missing; the first line has {found}, and must have {}", missing.join(", "), all()));
+            return Err(format!(
+                "{columns} {}: {are} missing; the first line has {found}, and must have {}",
+                missing.join(", "),
+                all()
+            ));
         }
         if places[DISPARITY].is_some() == places[RANGE].is_some() {
             let found = if places[RANGE].is_some() { "both are there" } else { "both are missing" };
@@ -183,7 +191,10 @@ mod tests {
     fn a_head_names_each_column_once_and_one_reading() {
         for (head, message) in [
             ("scan,x_m,y_m,theta_rad,range_m", "column bearing_rad: is missing; the first line has scan,"),
-            ("id,x,y,yaw,angle,dist", "columns scan, x_m, y_m, theta_rad, bearing_rad: are missing; the first line has id,x"),
+            (
+                "id,x,y,yaw,angle,dist",
+                "columns scan, x_m, y_m, theta_rad, bearing_rad: are missing; the first line has id,x",
+            ),
             ("0,0,0,0,0,1.5", "6 numbers, and no names of columns; the first line must have scan,x_m"),
             ("1.5 0 0 0 0 0 0 1", "a trajectory is given beside a log"),
             ("scan,x_m,y_m,theta_rad,bearing_rad", "columns disparity_px and range_m: both are missing"),

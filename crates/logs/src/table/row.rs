@@ -76,7 +76,8 @@ impl Cells<'_> {
     fn whole(&self, name: usize, most: u64) -> Result<u64, String> {
         let cell = self.cell(name);
         let whole = || self.parse(cell).filter(|value| value.fract() == 0.0 && (0.0..1e15).contains(value));
-        let found = std::str::from_utf8(cell).ok().and_then(|text| text.parse().ok()).or_else(|| whole().map(|v| v as u64));
+        let found =
+            std::str::from_utf8(cell).ok().and_then(|text| text.parse().ok()).or_else(|| whole().map(|v| v as u64));
         let upto = if most == u64::MAX { "0 or more".to_owned() } else { format!("0 to {most}") };
         found
             .filter(|value| *value <= most)
@@ -94,14 +95,21 @@ impl Cells<'_> {
                 TIME => ": is it in ns?",
                 _ => "",
             };
-            format!("column {}: {} must be a number from {:e} to {most:e} {unit}{hint}", NAMES[name], quoted(cell), -most)
+            format!(
+                "column {}: {} must be a number from {:e} to {most:e} {unit}{hint}",
+                NAMES[name],
+                quoted(cell),
+                -most
+            )
         })
     }
 
     /// None where the field is empty.
     fn reading(&self, name: usize) -> Result<Option<f64>, String> {
         let cell = self.cell(name);
-        if cell.is_empty() || ["na", "n/a", "null", "none"].iter().any(|word| cell.eq_ignore_ascii_case(word.as_bytes())) {
+        if cell.is_empty()
+            || ["na", "n/a", "null", "none"].iter().any(|word| cell.eq_ignore_ascii_case(word.as_bytes()))
+        {
             return Ok(None);
         }
         let found = self.parse(cell).map(Some);
@@ -129,7 +137,11 @@ mod tests {
             let change = |text: &str| text.replace(',', separator);
             assert_eq!(read(&change(head), &change(row)), Ok(expected), "{separator:?}");
         }
-        assert_eq!(read(&head.replace(',', ";"), &row.replace(',', ";").replace('.', ",")), Ok(expected), "decimal commas");
+        assert_eq!(
+            read(&head.replace(',', ";"), &row.replace(',', ";").replace('.', ",")),
+            Ok(expected),
+            "decimal commas"
+        );
         assert_eq!(read(&head.to_uppercase(), row), Ok(expected));
         assert_eq!(read(&format!("# {head}"), &row.replace("7,", "7.0,")), Ok(expected));
     }

@@ -1,10 +1,15 @@
 //! Times of a trajectory: their unit, their order, and those that come twice.
 
 use super::rows::Row;
+use crate::bounds::LATE_S;
 use crate::finding::Finding;
 use crate::frames::distance_m;
 
 use sensor::Pose;
+
+/// Poses that follow each other are so far apart, s, in the median.
+const SOONEST_S: f64 = 1e-4;
+const LATEST_S: f64 = 1e3;
 
 /// A unit of times.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,31 +41,38 @@ impl Unit {
 
     /// Of names of columns in lower case.
     pub(super) fn named(text: &str) -> Option<Self> {
-        [("[ns]", Self::Nanoseconds), ("[us]", Self::Microseconds), ("[ms]", Self::Milliseconds), ("[s]", Self::Seconds)]
-            .into_iter()
-            .find_map(|(name, unit)| text.contains(name).then_some(unit))
+        [
+            ("[ns]", Self::Nanoseconds),
+            ("[us]", Self::Microseconds),
+            ("[ms]", Self::Milliseconds),
+            ("[s]", Self::Seconds),
+        ]
+        .into_iter()
+        .find_map(|(name, unit)| text.contains(name).then_some(unit))
     }
 
-    /// By the size of times since 1970, and else by how far apart whole numbers are.
+    /// By the size of times since 1970, unless poses would then be implausibly far apart, as those of a clock that starts with the
+    /// machine are; and else by how far apart whole numbers are.
     fn guessed(rows: &[Row]) -> Self {
-        let largest = rows.iter().map(|row| row.time.abs()).fold(0.0, f64::max);
-        match largest {
-            1e17.. => return Self::Nanoseconds,
-            1e14..1e17 => return Self::Microseconds,
-            1e11..1e14 => return Self::Milliseconds,
-            _ => {}
-        }
+        let by_size = match rows.iter().map(|row| row.time.abs()).fold(0.0, f64::max) {
+            1e17.. => Self::Nanoseconds,
+            1e14..1e17 => Self::Microseconds,
+            1e11..1e14 => Self::Milliseconds,
+            _ => Self::Seconds,
+        };
         let mut steps: Vec<f64> = rows.windows(2).map(|pair| (pair[1].time - pair[0].time).abs()).collect();
         let whole = rows.iter().all(|row| row.time.fract() == 0.0);
         if !whole || steps.is_empty() {
-            return Self::Seconds;
+            return by_size;
         }
         let middle = steps.len() / 2;
-        match *steps.select_nth_unstable_by(middle, f64::total_cmp).1 {
-            2e6.. => Self::Nanoseconds,
-            2e3..2e6 => Self::Microseconds,
-            _ => Self::Seconds,
+        let step = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
+        let apart_s = step * by_size.seconds();
+        if (by_size == Self::Seconds || apart_s >= SOONEST_S) && apart_s <= LATEST_S || step <= 0.0 {
+            return by_size;
         }
+        // The geometric mean of what is usual, a tenth of a second, in us and in ns.
+        if step < 3e6 { Self::Microseconds } else { Self::Nanoseconds }
     }
 }
 
@@ -68,11 +80,18 @@ impl Unit {
 ///
 /// # Errors
 /// Line and reason: a time that comes twice with different poses, or two runs.
-pub(super) fn ordered(rows: &mut Vec<Row>, named: Option<Unit>, findings: &mut Vec<Finding>) -> Result<(), (u64, String)> {
+pub(super) fn ordered(
+    rows: &mut Vec<Row>,
+    named: Option<Unit>,
+    findings: &mut Vec<Finding>,
+) -> Result<(), (u64, String)> {
     let unit = named.unwrap_or_else(|| Unit::guessed(rows));
     if unit != Unit::Seconds {
         rows.iter_mut().for_each(|row| row.time *= unit.seconds());
         findings.push(Finding::TrajectoryUnit { unit: unit.name() });
+    }
+    if let Some(row) = rows.iter().find(|row| row.time.abs() > LATE_S) {
+        return Err((row.line, format!("time {:e} s: must be from -{LATE_S:e} to {LATE_S:e} s", row.time)));
     }
     sorted(rows, findings)?;
     once(rows, findings)
@@ -87,10 +106,13 @@ fn sorted(rows: &mut [Row], findings: &mut Vec<Finding>) -> Result<(), (u64, Str
     rows.sort_by(|a, b| a.time.total_cmp(&b.time));
     if length_m(rows) > 1.5 * before_m + 1.0 {
         let (before, after) = first;
-        return Err((after.line, format!(
-            "time {} s comes after {} s, and sorted by time the path would go to and fro: are there two runs in one file? give one of them",
-            after.time, before.time
-        )));
+        return Err((
+            after.line,
+            format!(
+                "time {} s comes after {} s, and sorted by time the path would go to and fro: are there two runs in one file? give one of them",
+                after.time, before.time
+            ),
+        ));
     }
     findings.push(Finding::TrajectorySorted { steps_back: steps_back as u64 });
     Ok(())
@@ -117,10 +139,17 @@ fn once(rows: &mut Vec<Row>, findings: &mut Vec<Finding>) -> Result<(), (u64, St
         let hint = match (all_one, whole) {
             (true, _) => format!("; all {} poses have it: write their times", rows.len()),
             (false, true) => "; all times are whole seconds: write them with more digits".to_owned(),
-            (false, false) if 2 * count >= rows.len().saturating_sub(1) => "; are there two runs in one file? give one of them".to_owned(),
+            (false, false) if 2 * count >= rows.len().saturating_sub(1) => {
+                "; are there two runs in one file? give one of them".to_owned()
+            }
             (false, false) => "; remove one of them".to_owned(),
         };
-        return Err((line, format!("time {time} s: is there twice with different poses, first in line {before}, as are {count} poses{hint}")));
+        return Err((
+            line,
+            format!(
+                "time {time} s: is there twice with different poses, first in line {before}, as are {count} poses{hint}"
+            ),
+        ));
     }
     if count > 0 {
         rows.dedup_by(|b, a| twice(a, b));

@@ -1,4 +1,4 @@
-//! Lines of a trajectory: what their numbers are, by the names of the columns and by how many there are.
+//! Lines of a trajectory: what their numbers are.
 
 use crate::bounds::FAR_M;
 use crate::fields::{number, quoted};
@@ -57,30 +57,6 @@ pub(super) fn fields(text: &[u8]) -> Vec<&[u8]> {
     text.split(apart).filter(|field| !field.is_empty()).collect()
 }
 
-/// What the names of columns say, if a line is names of columns.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(super) struct Names {
-    pub(super) order: Option<Order>,
-    pub(super) unit: Option<super::clock::Unit>,
-}
-
-/// The names of columns in a line, such as `#timestamp [ns],p_x [m],p_y [m],p_z [m],q_w [],q_x [],q_y [],q_z []`.
-pub(super) fn names(text: &[u8]) -> Names {
-    let text = String::from_utf8_lossy(text).to_ascii_lowercase();
-    let place = |wanted: char| {
-        let mut cells = text.split([',', ';', ' ', '\t', '#']).filter(|cell| !cell.is_empty() && !cell.starts_with('['));
-        cells.position(|cell| {
-            let cell = cell.split('[').next().unwrap_or_default();
-            (cell.starts_with('q') || cell.starts_with("rot") || cell.starts_with("orient")) && cell.ends_with(wanted)
-        })
-    };
-    let order = match (place('w'), place('x')) {
-        (Some(w), Some(x)) => Some(if w < x { Order::ScalarFirst } else { Order::ScalarLast }),
-        _ => None,
-    };
-    Names { order, unit: super::clock::Unit::named(&text) }
-}
-
 /// Reads a line of numbers.
 pub(super) fn row(text: &[u8], line: u64, named: bool) -> Result<Row, String> {
     let fields = fields(text);
@@ -96,14 +72,15 @@ pub(super) fn row(text: &[u8], line: u64, named: bool) -> Result<Row, String> {
     if count != 8 && !(named && count > 8) {
         let hint = match count {
             3 | 4 => ": heights and quaternions are missing; 0 and 0 0 sin(theta/2) cos(theta/2) will do",
-            7 => ": is the time missing?",
+            7 => ": is the time missing, or are the last three angles?",
             13 | 17 => ": is it a matrix with a time? must be a quaternion",
             _ => "",
         };
         return Err(format!("{count} fields; must be 8: time x y z qx qy qz qw{hint}"));
     }
     let value = |k: usize, name: &str, most: f64| -> Result<f64, String> {
-        let found = number(fields[k]).ok_or_else(|| format!("field {}, {name}: {} is no number", k + 1, quoted(fields[k])))?;
+        let found =
+            number(fields[k]).ok_or_else(|| format!("field {}, {name}: {} is no number", k + 1, quoted(fields[k])))?;
         if found.abs() <= most {
             return Ok(found);
         }
@@ -115,7 +92,9 @@ pub(super) fn row(text: &[u8], line: u64, named: bool) -> Result<Row, String> {
     let q = [value(4, "qx", 2.0)?, value(5, "qy", 2.0)?, value(6, "qz", 2.0)?, value(7, "qw", 2.0)?];
     let norm = libm::sqrt(q.iter().map(|part| part * part).sum::<f64>());
     if (norm - 1.0).abs() > NORM_TOLERANCE {
-        return Err(format!("quaternion of norm {norm:.4}: must be 1 to within {NORM_TOLERANCE}; are the last four fields qx qy qz qw?"));
+        return Err(format!(
+            "quaternion of norm {norm:.4}: must be 1 to within {NORM_TOLERANCE}; are the last four fields qx qy qz qw?"
+        ));
     }
     let few_digits = (norm - 1.0).abs() > NORM_EXACT;
     // What is rounded in the last of many digits stays as it is.
@@ -132,26 +111,13 @@ mod tests {
     #[test]
     fn a_quaternion_has_a_heading_in_either_order() {
         let (sin, cos) = libm::sincos(0.5 * 2.5);
-        let (last, first) = (heading([0.0, 0.0, sin, cos], Order::ScalarLast), heading([cos, 0.0, 0.0, sin], Order::ScalarFirst));
+        let (last, first) =
+            (heading([0.0, 0.0, sin, cos], Order::ScalarLast), heading([cos, 0.0, 0.0, sin], Order::ScalarFirst));
         assert!((last.0 - 2.5).abs() < 1e-12 && (first.0 - 2.5).abs() < 1e-12);
         assert!(has_heading(last.1) && has_heading(first.1));
         let optical = heading([-0.5, 0.5, -0.5, 0.5], Order::ScalarLast);
         assert!(!has_heading(optical.1));
         let back = heading([1.0, 0.0, 0.0, 0.0], Order::ScalarLast);
         assert!((back.1 + 1.0).abs() < 1e-12 && back.0.abs() <= PI);
-    }
-
-    #[test]
-    fn names_of_columns_give_order_and_unit() {
-        use super::super::clock::Unit;
-        for (text, order, unit) in [
-            ("#timestamp [ns],p_x [m],p_y [m],p_z [m],q_w [],q_x [],q_y [],q_z []", Some(Order::ScalarFirst), Some(Unit::Nanoseconds)),
-            ("# timestamp tx ty tz qx qy qz qw", Some(Order::ScalarLast), None),
-            ("#timestamp,tx,ty,tz,qx,qy,qz,qw", Some(Order::ScalarLast), None),
-            ("#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []", Some(Order::ScalarFirst), None),
-            ("# made by a program with quite some words", None, None),
-        ] {
-            assert_eq!(names(text.as_bytes()), Names { order, unit }, "{text}");
-        }
     }
 }
