@@ -23,7 +23,7 @@
 //! 180 or 181 beams is at -90 degrees and the step 1 degree; of 360 or 361 likewise with half a degree (with an even number the last
 //! beam, at +90 degrees, is not there); 540 or 541 begin at -135 degrees with half a degree, 1080 or 1081 with a quarter, 401 at -50 with
 //! a quarter; 682 or 683 are centred with 360 / 1024 degrees. Other numbers are spread evenly over -90 to +90 degrees. A guess is a
-//! [`Finding`](crate::Finding); [`Options::fan`] overrides it all.
+//! [`Finding`]; [`Options::fan`] overrides it all.
 //!
 //! **No echo.** Readings of the maximum range or more: of [`Options::max_range_m`], else of the message, else of the parameter
 //! `max`, else 80 m. A maximum from 81.8 to 82 m is taken as 81.8 m: SICK's codes for no echo are 81.83 to 81.91 m, and

@@ -133,7 +133,6 @@ fn what_cannot_be_read_is_refused_with_line_and_remedy() {
     let whole = changed(|f| format!("{:.0} {}", f[0].parse::<f64>().expect("a number"), f[1..].join(" ")));
     let one = changed(|f| format!("1000 {}", f[1..].join(" ")));
     let second_run = lines(0..40)
-        .replace(" 0.3 ", " 0.3 ")
         .lines()
         .map(|line| {
             let mut fields: Vec<_> = line.split(' ').map(str::to_owned).collect();
@@ -148,10 +147,7 @@ fn what_cannot_be_read_is_refused_with_line_and_remedy() {
         (lines(0..40) + &shifted, &["a.tum:41: ", "two runs in one file"]),
         (whole, &["is there twice", "whole seconds: write them with more digits"]),
         (one, &["a.tum:2: time 1000 s: is there twice", "all 40 poses have it"]),
-        (
-            lines([0, 1, 2]) + &line(1).replace(" 0.3 ", " 0.3 ").replacen(" 0.1 ", " 0.2 ", 1),
-            &["a.tum:4: ", "first in line 2"],
-        ),
+        (lines([0, 1, 2]) + &line(1).replacen(" 0.1 ", " 0.2 ", 1), &["a.tum:4: ", "first in line 2"]),
         ("1 0 0 0 0 1 0 0 0 0 1 0\n".to_owned(), &["a.tum:1: 12 numbers are a matrix", "KITTI", "TUM"]),
         ("1 0 0 0 -0.5 0.5 -0.5 0.5\n".to_owned(), &["a.tum:1: tilted by 90 degrees", "optical frame"]),
         ("VERTEX_SE2 0 0 0 0\n".to_owned(), &["a.tum: is a pose graph"]),
