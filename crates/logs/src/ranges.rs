@@ -6,8 +6,9 @@ use crate::report::NoMatchCodes;
 /// The maximum range where neither options nor log name one, m.
 pub(crate) const MAX_RANGE_M: f64 = 80.0;
 
-/// Scanners that see farther than this on average are taken for a mistake of units, m.
-const FAR_MEDIAN_M: f64 = 200.0;
+/// Scanners that see farther than this on average are taken for a mistake of units, m: no building is so large, and SICK's codes for no
+/// echo are below.
+const FAR_MEDIAN_M: f64 = 82.0;
 
 /// The rule by which ranges are judged.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -137,6 +138,8 @@ mod tests {
             (vec![f64::NAN, -1.0, f64::INFINITY, f64::INFINITY, 2.0], true),
             (vec![65535.0, 65535.0, 65535.0, 3.0], true), // a code for no echo, and one echo
             (vec![1500.0, 2000.0, 2100.0, 8000.0], false),
+            (vec![90.0, 120.0, 180.0, 400.0], false), // cm in a small room
+            (vec![81.83, 81.83, 81.83, 81.91, 2.0], true),
             (vec![210.0, 310.0, 400.0, 8191.0, 8191.0], false),
         ] {
             assert_eq!(check_unit(&mut ranges.clone()).is_ok(), metres, "{ranges:?}");
