@@ -4,6 +4,7 @@ pub mod claims;
 pub mod condition;
 pub mod criteria;
 pub mod mappers;
+pub mod reading;
 pub mod run;
 pub mod scenes;
 pub mod site;

@@ -215,17 +215,19 @@ fn what_is_no_log_is_refused_before_anything_is_written() {
     fs::write(folder.path().join("one.log"), log.lines().take(3).collect::<Vec<_>>().join("\n")).expect("writable");
     let far = log.lines().nth(4).expect("a scan").replace(" 100.", " 1e7.");
     let far = far.rsplitn(10, ' ').last().expect("beams").to_owned() + " 9e6 9e6 0 9e6 9e6 0 101 robot 101";
-    fs::write(folder.path().join("far.log"), format!("{log}{far}\n")).expect("writable");
+    // The drive goes on 9,000 km away.
+    fs::write(folder.path().join("far.log"), format!("{log}{}", format!("{far}\n").repeat(20))).expect("writable");
+    fs::write(folder.path().join("stray.log"), format!("{log}{far}\n")).expect("writable");
     for (arguments, said) in [
         (vec!["no.log"], "no.log: "),
         (vec!["binary"], "binary: "),
         (vec!["empty"], "empty: no scan in 0 lines"),
         (vec!["."], ".: is a folder"),
         (vec!["one.log"], "--hold-out 10: "),
-        (vec!["far.log"], "more than"),
+        (vec!["far.log"], "the longest move between two scans is 12727"),
         (vec!["room.log.gz", "--hold-out", "1"], "--hold-out"),
         (vec!["room.log.gz", "--window", "20,10"], "--window"),
-        (vec!["room.log.gz", "--window", "1e9,2e9"], "lie outside --window"),
+        (vec!["room.log.gz", "--window", "1e9,2e9"], "outside the time window"),
         (vec!["room.log.gz", "--hit", "0.9", "--no-echo", "0.2"], "hit"),
         (vec!["room.log.gz", "--mappers", "visbility"], "the nearest is 'visibility'"),
         (vec!["room.log.gz", "--trajectory", "binary"], "binary:1: "),
@@ -234,5 +236,30 @@ fn what_is_no_log_is_refused_before_anything_is_written() {
         let (out, err) = checked(2, &arguments, &replay(folder.path(), &arguments));
         assert!(out.is_empty() && err.contains(said) && !err.contains("panicked"), "{arguments:?}: {err}");
         assert!(!folder.path().join("o").exists(), "{arguments:?}");
+    }
+    let arguments = ["stray.log", "--mappers", "prior", "--out", "o"];
+    let (out, err) = checked(0, &arguments, &replay(folder.path(), &arguments));
+    assert!(out.contains("\n  1 far from all others\n") && out.contains("largest move between scans: "), "{out}");
+    assert!(err.contains("warning: stray.log: line ") && err.contains("km from the drive"), "{err}");
+    let record = fs::read_to_string(folder.path().join("o/run.json")).expect("written");
+    assert!(record.contains("km from the drive") && record.contains("\"longest_move\""), "{record}");
+}
+
+#[test]
+fn where_beams_go_and_which_gaps_are_bridged_is_an_option() {
+    let (folder, ..) = with_log(&room());
+    let width = |arguments: &[&str]| {
+        let arguments = [&["room.log.gz", "--mappers", "prior", "--reach", "3", "--out", "o"], arguments].concat();
+        let (_, err) = checked(0, &arguments, &replay(folder.path(), &arguments));
+        (spec_of(&folder.path().join("o")), err)
+    };
+    let (_, noted) = width(&[]);
+    let (_, given) = width(&["--fov", "90"]);
+    assert!(noted.contains("FLASER does not say where its "), "{noted}");
+    assert!(!given.contains("does not say where"), "{given}");
+    for bad in [["--fov", "361"], ["--increment", "0"], ["--first-bearing", "x"], ["--max-gap", "-1"]] {
+        let arguments = ["room.log.gz", bad[0], bad[1], "--out", "p"];
+        let (_, err) = checked(2, &arguments, &replay(folder.path(), &arguments));
+        assert!(err.contains(bad[0]), "{err}");
     }
 }

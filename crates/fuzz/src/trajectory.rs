@@ -1,4 +1,4 @@
-//! Trajectories in the TUM format.
+//! Trajectories in the TUM format and its relatives.
 
 use std::f64::consts::TAU;
 
@@ -16,6 +16,7 @@ pub fn trajectory(data: &[u8]) {
         Err(error) => return message::check(&error, PLACE),
     };
     let [first, last] = found.span_s();
+    found.findings().iter().for_each(|finding| message::line(&finding.to_string()));
     assert!(first <= last && first.is_finite() && last.is_finite());
     assert!(found.pose(first.next_down()).is_none() && found.pose(last.next_up()).is_none());
     // Half of a subnormal number is rounded.
@@ -27,7 +28,8 @@ pub fn trajectory(data: &[u8]) {
         let (sin, cos) = (0.5 * theta_rad).sin_cos();
         format!("{time_s} {x_m} {y_m} 0 0 0 {sin} {cos}\n")
     });
-    let again = Trajectory::read(lines.collect::<String>().as_bytes(), PLACE).expect("what was read is a trajectory");
+    let text = "# time [s] x y z qx qy qz qw\n".to_owned() + &lines.collect::<String>();
+    let again = Trajectory::read(text.as_bytes(), PLACE).expect("what was read is a trajectory");
     for (time_s, pose) in times.iter().zip(&poses) {
         let back = again.pose(*time_s).expect("within the time span");
         assert_eq!((back.x_m, back.y_m), (pose.x_m, pose.y_m));

@@ -2,101 +2,168 @@
 //!
 //! | message | fields |
 //! |---|---|
-//! | `FLASER` | `n r_1 .. r_n x y theta odom_x odom_y odom_theta ipc_time host logger_time` |
-//! | `ROBOTLASER1` | `laser_type start_angle field_of_view angular_resolution maximum_range accuracy remission_mode n r_1 .. r_n m rem_1 .. rem_m laser_x laser_y laser_theta robot_x robot_y robot_theta tv rv forward_safety side_safety turn_axis ipc_time host logger_time`; `m` and the remissions may be missing |
-//! | `PARAM` | `name value`; read are `robot_front_laser_max` (m), `robot_frontlaser_offset` (m) and `laser_front_laser_resolution` (degrees), from there on |
+//! | `FLASER`, `RLASER` | `n r_1 .. r_n x y theta odom_x odom_y odom_theta ipc_time host logger_time` |
+//! | `ROBOTLASER1` .. `5` | `laser_type start_angle field_of_view angular_resolution maximum_range accuracy remission_mode n r_1 .. r_n m rem_1 .. rem_m laser_x laser_y laser_theta robot_x robot_y robot_theta tv rv forward_safety side_safety turn_axis ipc_time host logger_time`; `m` and the remissions may be missing |
+//! | `RAWLASER1` .. `5` | the same up to the remissions, then `ipc_time host logger_time` |
+//! | `ODOM` | `x y theta tv rv acceleration ipc_time host logger_time`: poses for raw lasers |
+//! | `PARAM` | `name value`, from there on |
 //!
-//! Every other message, `RLASER` of a second scanner among them, and `#` comments are skipped and counted by name. A scan has the
+//! Every other message and `#` comments are skipped and counted by name. Every kind of message is a sensor of its own. A scan has the
 //! pose of the laser (`x y theta`, `laser_x laser_y laser_theta`) and the time `ipc_time`.
 //!
-//! **Bearings.** Beams go from right to left. `ROBOTLASER1` says where they are. `FLASER` does not; as SICK's scanners and the programs
-//! that read their logs have it, the first of 180 or 181 beams is at -90 degrees and the step 1 degree; of 360 or 361 likewise with half
-//! a degree (with an even number the last beam, at +90 degrees, is not there); 540 or 541 begin at -135 degrees with half a degree, 401 at -50
-//! with a quarter. Other numbers are centred on the axis with `laser_front_laser_resolution`, or without it spread evenly over -90 to +90
-//! degrees. [`Options::fan`] overrides it all.
+//! **Raw lasers** have no pose: it is that of the odometry before and after them, not bridged over more than
+//! [`Options::max_gap_s`], and of where the laser stands on the robot. They are left out where the same laser has scans with poses.
 //!
-//! **No echo.** Readings of the maximum range or more: of [`Options::max_range_m`], else of the message, else of
-//! `robot_front_laser_max`, else 80 m. A maximum from 81.8 to 82 m is taken as 81.8 m: SICK's codes for no echo are 81.83 to 81.91 m, and
+//! **Parameters** of the first laser are named `laser_front_laser_*`, `laser_laser1_*`, `robot_front_laser_*` or `robot_frontlaser_*`, of the second
+//! likewise with `rear` or `2`, of others with `laser3` and so on; read are `max` (m), `fov` (rad or degrees), `resolution` (degrees),
+//! `start_angle`, and where it stands: `offset`, `side_offset` (m) and `angular_offset` (rad).
+//!
+//! **Bearings.** Beams go from right to left. `ROBOTLASER` and `RAWLASER` say where they are. Of `FLASER` and `RLASER` the field of
+//! view and the resolution of the parameters decide; without them the number of beams, as SICK's and Hokuyo's scanners have it: the first of
+//! 180 or 181 beams is at -90 degrees and the step 1 degree; of 360 or 361 likewise with half a degree (with an even number the last
+//! beam, at +90 degrees, is not there); 540 or 541 begin at -135 degrees with half a degree, 1080 or 1081 with a quarter, 401 at -50 with
+//! a quarter; 682 or 683 are centred with 360 / 1024 degrees. Other numbers are spread evenly over -90 to +90 degrees. A guess is a
+//! [`Finding`]; [`Options::fan`] overrides it all.
+//!
+//! **No echo.** Readings of the maximum range or more: of [`Options::max_range_m`], else of the message, else of the parameter
+//! `max`, else 80 m. A maximum from 81.8 to 82 m is taken as 81.8 m: SICK's codes for no echo are 81.83 to 81.91 m, and
 //! logs with them claim up to 82 m.
 
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+mod odometry;
+mod parameters;
+
+use std::collections::VecDeque;
+use std::f64::consts::{PI, TAU};
 
 use sensor::{Pose, Scan};
 
+use self::odometry::Waiting;
+use self::parameters::Parameters;
+use crate::bounds::{FAR_M, LATE_S, WOUND_RAD};
+use crate::fan::{Fan, FanSource, guessed};
 use crate::fields::{Fields, quoted};
-use crate::options::{Fan, Options};
+use crate::finding::Finding;
+use crate::frames::{distance_m, mounted, seen_from, turn_rad};
+use crate::options::Options;
 use crate::ranges::{Rule, check_unit};
-use crate::record::{Parser, Recorded, Sensor};
-use crate::report::Report;
+use crate::record::{Fault, Parser, Recorded, Sensor};
+use crate::report::{FanReport, Report};
 
-/// Coordinates reach so far, m: those of the world's usual grids do.
-pub(crate) const FAR_M: f64 = 1e8;
-
-/// Headings that are not wrapped reach so far, rad.
-pub(crate) const WOUND_RAD: f64 = 1e6;
-
-/// Times reach so far, s: 3,000 years.
-pub(crate) const LATE_S: f64 = 1e11;
-
-/// Fields of `FLASER` and `ROBOTLASER1` behind the ranges and remissions.
+/// Fields of the messages behind the ranges and remissions.
 const BEHIND_FLASER: usize = 9;
 const BEHIND_ROBOTLASER: usize = 14;
+const BEHIND_RAWLASER: usize = 3;
+
+/// Poses that differ by no more than what logs round are the same, m and rad.
+const SAME: f64 = 2e-4;
 
 pub(crate) struct Carmen {
     options: Options,
-    front_max_m: Option<f64>,
-    resolution_rad: Option<f64>,
-    offset_m: f64,
+    parameters: Parameters,
+    /// Names of the messages that held scans, in order: the sensors.
+    names: Vec<String>,
+    waiting: Waiting,
     ranges_m: Vec<f64>,
+}
+
+/// What a message says of its scan.
+struct Message<'a> {
+    name: &'a str,
+    laser: u8,
+    line: u64,
+    time_s: f64,
+    fan: Option<Fan>,
+    max_m: Option<f64>,
 }
 
 impl Carmen {
     pub(crate) fn new(options: &Options) -> Self {
-        Self { options: options.clone(), front_max_m: None, resolution_rad: None, offset_m: 0.0, ranges_m: Vec::new() }
+        Self {
+            options: options.clone(),
+            parameters: Parameters::default(),
+            names: Vec::new(),
+            waiting: Waiting::default(),
+            ranges_m: Vec::new(),
+        }
     }
 
-    fn flaser(&mut self, fields: &mut Fields<'_>, line: u64) -> Result<Recorded, String> {
+    fn flaser(
+        &mut self,
+        fields: &mut Fields<'_>,
+        mut message: Message<'_>,
+        report: &mut Report,
+    ) -> Result<Recorded, String> {
         let beams = fields.count("number of ranges")?;
         if fields.left() != beams + BEHIND_FLASER {
             return Err(uneven(beams, fields.left(), BEHIND_FLASER));
         }
         self.ranges(fields, beams)?;
         let pose = pose(fields, "laser pose")?;
-        fields.skip(3);
-        let time_s = fields.number("time", LATE_S)?;
-        let fan = self.options.fan.unwrap_or_else(|| fan(beams, self.resolution_rad));
-        let mount = Pose { x_m: self.offset_m, ..Pose::default() };
-        Ok(self.recorded(time_s, pose, mount, fan, self.front_max_m, line))
+        let odometry = self::pose(fields, "odometry").ok();
+        message.time_s = fields.number("time", LATE_S)?;
+        let mount = self.parameters.laser(message.laser).mount(message.laser);
+        let mut recorded = self.recorded(&message, report)?;
+        (recorded.scan.pose, recorded.mount, recorded.odometry, recorded.placed) = (pose, mount, odometry, true);
+        Ok(recorded)
     }
 
-    fn robot_laser(&mut self, fields: &mut Fields<'_>, line: u64) -> Result<Recorded, String> {
+    /// The fields that `ROBOTLASER` and `RAWLASER` have in common: fan, maximum range, ranges, remissions.
+    fn described(&mut self, fields: &mut Fields<'_>, message: &mut Message<'_>, behind: usize) -> Result<(), String> {
         fields.skip(1); // laser_type
         let first_rad = fields.number("start angle", TAU)?;
         fields.number("field of view", TAU)?;
         let step_rad = fields.number("angular resolution", PI)?;
-        let max_m = Some(fields.any_number("maximum range")?).filter(|max| *max > 0.0);
+        message.max_m = Some(fields.any_number("maximum range")?).filter(|max| *max > 0.0);
+        message.fan = Some(Fan { first_rad, step_rad });
         fields.skip(2); // accuracy, remission_mode
         let beams = fields.count("number of ranges")?;
-        if fields.left() < beams + BEHIND_ROBOTLASER {
-            return Err(uneven(beams, fields.left(), BEHIND_ROBOTLASER));
-        }
-        if step_rad == 0.0 || step_rad.abs() * (beams.max(1) - 1) as f64 > TAU + 1e-3 {
-            return Err(format!("{beams} ranges, {step_rad} rad apart: must be within a full turn and apart"));
+        if fields.left() < beams + behind {
+            return Err(uneven(beams, fields.left(), behind));
         }
         self.ranges(fields, beams)?;
-        if fields.left() != BEHIND_ROBOTLASER {
+        if fields.left() != behind {
             let remissions = fields.count("number of remissions")?;
-            if fields.left() != remissions + BEHIND_ROBOTLASER {
-                return Err(uneven(remissions, fields.left(), BEHIND_ROBOTLASER));
+            if fields.left() != remissions + behind {
+                return Err(uneven(remissions, fields.left(), behind));
             }
             fields.skip(remissions);
         }
+        Ok(())
+    }
+
+    fn robot_laser(
+        &mut self,
+        fields: &mut Fields<'_>,
+        mut message: Message<'_>,
+        report: &mut Report,
+    ) -> Result<Recorded, String> {
+        self.described(fields, &mut message, BEHIND_ROBOTLASER)?;
         let laser = pose(fields, "laser pose")?;
         let robot = pose(fields, "robot pose")?;
         fields.skip(5); // velocities, safety distances, turn_axis
-        let time_s = fields.number("time", LATE_S)?;
-        let fan = self.options.fan.unwrap_or(Fan { first_rad, step_rad });
-        Ok(self.recorded(time_s, laser, seen_from(robot, laser), fan, max_m.or(self.front_max_m), line))
+        message.time_s = fields.number("time", LATE_S)?;
+        let mut recorded = self.recorded(&message, report)?;
+        (recorded.scan.pose, recorded.mount, recorded.placed) = (laser, seen_from(robot, laser), true);
+        Ok(recorded)
+    }
+
+    fn raw_laser(
+        &mut self,
+        fields: &mut Fields<'_>,
+        mut message: Message<'_>,
+        report: &mut Report,
+    ) -> Result<Recorded, String> {
+        self.described(fields, &mut message, BEHIND_RAWLASER)?;
+        message.time_s = fields.number("time", LATE_S)?;
+        let laser = self.parameters.laser(message.laser);
+        let new = !self.names.iter().any(|name| name == message.name);
+        let mut recorded = self.recorded(&message, report)?;
+        recorded.mount = laser.mount(message.laser);
+        if new && message.laser > 1 && !laser.is_mounted() {
+            let taken = if message.laser == 2 { "in its middle, looking back" } else { "in its middle, looking ahead" };
+            report.noted.push(Finding::GuessedMount { sensor: message.name.to_owned(), taken });
+        }
+        Ok(recorded)
     }
 
     fn ranges(&mut self, fields: &mut Fields<'_>, beams: usize) -> Result<(), String> {
@@ -110,62 +177,119 @@ impl Carmen {
         Ok(())
     }
 
-    fn recorded(&mut self, time_s: f64, pose: Pose, mount: Pose, fan: Fan, max_m: Option<f64>, line: u64) -> Recorded {
-        let rule = Rule::new(&self.options, max_m);
-        let readings: Vec<_> = self.ranges_m.iter().map(|range| rule.reading(*range)).collect();
-        let bearings_rad = (0..readings.len()).map(|k| fan.first_rad + k as f64 * fan.step_rad).collect();
-        let sensor = Sensor::Laser { max_range_m: rule.max_m, beams: readings.len() };
-        let unit = check_unit(&mut self.ranges_m);
-        Recorded { scan: Scan { time_s, pose, bearings_rad, readings }, sensor, mount, line, unit, number: None }
+    /// The fan of the beams at hand: of the options, else of the message, else of the parameters, else by their number.
+    fn fan(&self, message: &Message<'_>) -> Result<FanReport, String> {
+        let beams = self.ranges_m.len();
+        let parameters = self.parameters.laser(message.laser).fan;
+        let log = || message.fan.or_else(|| parameters.fan(beams));
+        let (fan, source) = match (self.options.fan.fan(beams), log()) {
+            (Some(fan), _) => (fan, FanSource::Options),
+            (None, Some(fan)) => (fan, FanSource::Log),
+            (None, None) => guessed(beams),
+        };
+        let fits = source != FanSource::Log || message.fan.is_some() || parameters.fits(beams);
+        // Of parameters that do not fit, the field of view decides.
+        let unresolved = crate::fan::FanOptions { step_rad: None, ..parameters };
+        let fan = if fits { fan } else { unresolved.fan(beams).unwrap_or(fan) };
+        let Fan { step_rad, .. } = fan;
+        if !(step_rad.abs() > 0.0 && step_rad.abs() * (beams.max(1) - 1) as f64 <= TAU + 1e-2) {
+            return Err(format!("{beams} ranges, {step_rad} rad apart: must be within a full turn and apart"));
+        }
+        Ok(FanReport { line: message.line, beams, fan, source, fits })
     }
 
-    fn parameter(&mut self, fields: &mut Fields<'_>) -> Result<(), String> {
-        match fields.raw("name")? {
-            b"robot_front_laser_max" => {
-                let max_m = fields.number("robot_front_laser_max", FAR_M)?;
-                if max_m <= 0.0 {
-                    return Err(format!("robot_front_laser_max: {max_m}: must be above 0 m"));
-                }
-                self.front_max_m = Some(max_m);
-            }
-            b"robot_frontlaser_offset" => self.offset_m = fields.number("robot_frontlaser_offset", FAR_M)?,
-            b"laser_front_laser_resolution" => {
-                let degrees = fields.number("laser_front_laser_resolution", 360.0)?;
-                if degrees <= 0.0 {
-                    return Err(format!("laser_front_laser_resolution: {degrees}: must be above 0 degrees"));
-                }
-                self.resolution_rad = Some(degrees.to_radians());
-            }
-            _ => {}
+    /// The scan of a message, without its pose.
+    fn recorded(&mut self, message: &Message<'_>, report: &mut Report) -> Result<Recorded, String> {
+        let found = self.fan(message)?;
+        let max_m = message.max_m.or(self.parameters.laser(message.laser).max_range_m);
+        let rule = Rule::new(&self.options, max_m);
+        let readings: Vec<_> = self.ranges_m.iter().map(|range| rule.reading(*range)).collect();
+        let Fan { first_rad, step_rad } = found.fan;
+        let bearings_rad = (0..readings.len()).map(|k| first_rad + k as f64 * step_rad).collect();
+        let kind = Sensor::Laser { max_range_m: rule.max_m, beams: readings.len() };
+        let unit = check_unit(&mut self.ranges_m);
+        let sensor = self.names.iter().position(|name| name == message.name).unwrap_or_else(|| {
+            self.names.push(message.name.to_owned());
+            self.names.len() - 1
+        });
+        if unit.is_ok() {
+            report.fan(sensor, message.name, found);
         }
-        Ok(())
+        let scan = Scan { time_s: message.time_s, pose: Pose::default(), bearings_rad, readings };
+        let (mount, odometry, placed, gap, number) = (Pose::default(), None, false, None, None);
+        Ok(Recorded { scan, sensor, kind, mount, odometry, placed, gap, line: message.line, unit, number })
+    }
+
+    /// `ODOM`, as far as it can be read: it is of use for raw lasers alone.
+    fn odometry(&mut self, fields: &mut Fields<'_>) -> Option<()> {
+        let pose = pose(fields, "odometry").ok()?;
+        fields.skip(3); // velocities, acceleration
+        self.waiting.odometry(fields.number("time", LATE_S).ok()?, pose);
+        Some(())
+    }
+
+    fn placed(&mut self, laser: u8, recorded: Recorded, report: &mut Report, out: &mut VecDeque<Recorded>) {
+        self.waiting.placed(laser, report);
+        if recorded.unit.is_ok() && recorded.odometry.is_some_and(|odometry| is_odometry(&recorded, odometry)) {
+            report.sensors.entry(recorded.sensor).or_default().odometry_poses += 1;
+        }
+        out.push_back(recorded);
     }
 }
 
+/// Whether a scan's pose is that of the odometry, or of the laser on it.
+fn is_odometry(recorded: &Recorded, odometry: Pose) -> bool {
+    let same = |pose: Pose| distance_m(pose, recorded.scan.pose) < SAME && turn_rad(pose, recorded.scan.pose) < SAME;
+    same(odometry) || same(mounted(odometry, recorded.mount))
+}
+
 impl Parser for Carmen {
-    fn line(&mut self, text: &[u8], number: u64, report: &mut Report) -> Result<Option<Recorded>, String> {
-        let name = text.split(u8::is_ascii_whitespace).find(|field| !field.is_empty()).unwrap_or_default();
-        match name {
-            b"FLASER" => self.flaser(&mut after_name(text), number).map(Some),
-            b"ROBOTLASER1" => self.robot_laser(&mut after_name(text), number).map(Some),
-            b"PARAM" => {
-                self.parameter(&mut after_name(text))?;
-                report.skip("PARAM");
-                Ok(None)
-            }
-            [b'#', ..] => {
-                report.skip("#");
-                Ok(None)
-            }
-            name => {
-                report.skip(message_name(name)?);
-                Ok(None)
-            }
+    fn line(
+        &mut self,
+        text: &[u8],
+        number: u64,
+        report: &mut Report,
+        out: &mut VecDeque<Recorded>,
+    ) -> Result<(), Fault> {
+        let first = text.split(u8::is_ascii_whitespace).find(|field| !field.is_empty()).unwrap_or_default();
+        if first.starts_with(b"#") {
+            report.skip("#");
+            return Ok(());
         }
+        let name = message_name(first)?;
+        let fields = &mut after_name(text);
+        let message = |laser| Message { name, laser, line: number, time_s: 0.0, fan: None, max_m: None };
+        let numbered =
+            |kind: &str| name.strip_prefix(kind).and_then(|k| k.parse().ok()).filter(|k| (1..=5).contains(k));
+        if name == "FLASER" || name == "RLASER" {
+            let laser = if name == "FLASER" { 1 } else { 2 };
+            let recorded = self.flaser(fields, message(laser), report)?;
+            self.placed(laser, recorded, report, out);
+        } else if let Some(laser) = numbered("ROBOTLASER") {
+            let recorded = self.robot_laser(fields, message(laser), report)?;
+            self.placed(laser, recorded, report, out);
+        } else if let Some(laser) = numbered("RAWLASER").filter(|laser| self.waiting.wants(*laser)) {
+            let recorded = self.raw_laser(fields, message(laser), report)?;
+            match recorded.unit {
+                Ok(()) => self.waiting.scan(laser, recorded),
+                Err(_) => out.push_back(recorded),
+            }
+        } else {
+            match name {
+                "PARAM" => self.parameters.take(fields)?,
+                "ODOM" => {
+                    let _ = self.odometry(fields);
+                }
+                _ => {}
+            }
+            report.skip(name);
+        }
+        self.waiting.release(false, self.options.max_gap_s, report, out);
+        Ok(())
     }
 
-    fn end(&mut self) -> Option<Recorded> {
-        None
+    fn end(&mut self, report: &mut Report, out: &mut VecDeque<Recorded>) {
+        self.waiting.release(true, self.options.max_gap_s, report, out);
     }
 
     fn timed(&self) -> bool {
@@ -181,12 +305,16 @@ fn after_name(text: &[u8]) -> Fields<'_> {
 
 /// What a line may begin with, so that noise is not taken for messages.
 fn message_name(name: &[u8]) -> Result<&str, String> {
-    let inner = |byte: &u8| byte.is_ascii_alphanumeric() || *byte == b'_';
-    let fine = name.len() <= 40 && name.first().is_some_and(u8::is_ascii_alphabetic) && name.iter().all(inner);
     match std::str::from_utf8(name) {
-        Ok(text) if fine => Ok(text),
+        Ok(text) if is_message_name(name) => Ok(text),
         _ => Err(format!("{} is no name of a message", quoted(name))),
     }
+}
+
+/// Whether a message can have this name.
+pub(crate) fn is_message_name(name: &[u8]) -> bool {
+    let inner = |byte: &u8| byte.is_ascii_alphanumeric() || *byte == b'_';
+    name.len() <= 40 && name.first().is_some_and(u8::is_ascii_alphabetic) && name.iter().all(inner)
 }
 
 fn uneven(count: usize, left: usize, behind: usize) -> String {
@@ -203,52 +331,17 @@ fn pose(fields: &mut Fields<'_>, name: &str) -> Result<Pose, String> {
     })
 }
 
-/// `pose` in the frame of `from`.
-fn seen_from(from: Pose, pose: Pose) -> Pose {
-    let (sin, cos) = libm::sincos(from.theta_rad);
-    let [x, y] = [pose.x_m - from.x_m, pose.y_m - from.y_m];
-    Pose { x_m: cos * x + sin * y, y_m: cos * y - sin * x, theta_rad: pose.theta_rad - from.theta_rad }
-}
-
-/// Bearings of the beams of `FLASER`, as its readers take them.
-fn fan(beams: usize, resolution_rad: Option<f64>) -> Fan {
-    let degrees = |first: f64, step: f64| Fan { first_rad: first.to_radians(), step_rad: step.to_radians() };
-    match (beams, resolution_rad) {
-        (180 | 181, _) => degrees(-90.0, 1.0),
-        (360 | 361, _) => degrees(-90.0, 0.5),
-        (540 | 541, _) => degrees(-135.0, 0.5),
-        (401, _) => degrees(-50.0, 0.25),
-        (0 | 1, _) => degrees(0.0, 1.0),
-        (_, Some(step_rad)) => Fan { first_rad: -0.5 * step_rad * (beams - 1) as f64, step_rad },
-        (_, None) => Fan { first_rad: -FRAC_PI_2, step_rad: PI / (beams - 1) as f64 },
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::FRAC_PI_2;
+
     use super::*;
 
     fn parse(line: &str) -> Result<Recorded, String> {
-        let recorded = Carmen::new(&Options::default()).line(line.as_bytes(), 1, &mut Report::default())?;
-        recorded.ok_or_else(|| "no scan".to_owned())
-    }
-
-    #[test]
-    fn beams_are_where_scanners_have_them() {
-        for (beams, resolution_deg, first, last) in [
-            (180, None, -90.0, 89.0),
-            (181, None, -90.0, 90.0),
-            (360, Some(1.0), -90.0, 89.5),
-            (361, None, -90.0, 90.0),
-            (401, None, -50.0, 50.0),
-            (541, None, -135.0, 135.0),
-            (91, None, -90.0, 90.0),
-            (101, Some(1.0), -50.0, 50.0),
-            (1, None, 0.0, 0.0),
-        ] {
-            let fan = fan(beams, resolution_deg.map(f64::to_radians));
-            let ends = [fan.first_rad, fan.first_rad + (beams - 1) as f64 * fan.step_rad].map(f64::to_degrees);
-            assert!((ends[0] - first).abs() < 1e-9 && (ends[1] - last).abs() < 1e-9, "{beams}: {ends:?}");
+        let mut out = VecDeque::new();
+        match Carmen::new(&Options::default()).line(line.as_bytes(), 1, &mut Report::default(), &mut out) {
+            Ok(()) => out.pop_front().ok_or_else(|| "no scan".to_owned()),
+            Err(Fault::Damage(reason) | Fault::Refusal(reason)) => Err(reason),
         }
     }
 
@@ -262,7 +355,7 @@ mod tests {
             assert_eq!(scan.readings, [Some(1.0), Some(f64::INFINITY), None]);
             assert_eq!(scan.bearings_rad, [-0.6, 0.0, 0.6]);
             assert_eq!((scan.time_s, scan.pose), (77.5, Pose { x_m: 1.0, y_m: 3.0, theta_rad: 1.6 }));
-            assert_eq!(recorded.sensor, Sensor::Laser { max_range_m: 5.5, beams: 3 });
+            assert_eq!(recorded.kind, Sensor::Laser { max_range_m: 5.5, beams: 3 });
             // The robot looks along y, and the laser stands 1 m further along y: 1 m before the robot.
             let mount = recorded.mount;
             assert!((mount.x_m - 1.0).abs() < 1e-12 && mount.y_m.abs() < 1e-12, "{mount:?}");

@@ -1,11 +1,15 @@
 //! Which scans to give, and from which poses.
 
-use sensor::{Pose, Scan};
+use std::collections::BTreeMap;
 
+use crate::frames::{distance_m, mounted, turn_rad};
+use crate::motion::Place;
 use crate::options::Options;
-use crate::record::Recorded;
+use crate::record::{Event, Recorded};
 use crate::report::Report;
-use crate::trajectory::{Body, Trajectory, mounted};
+use crate::trajectory::{At, Body, Trajectory};
+
+use sensor::Pose;
 
 /// Counts scans in the order of the log, drops those that were not asked for and puts the others on the trajectory.
 pub(crate) struct Choice {
@@ -13,49 +17,87 @@ pub(crate) struct Choice {
     trajectory: Option<(Trajectory, Body)>,
     /// Time of the first scan by the log's clock, s.
     start_s: f64,
-    /// Time by the log's clock (s), and number in a table, of the scan before.
-    before: Option<(f64, Option<u64>)>,
+    /// Of every sensor, time by the log's clock (s), and number in a table, of the scan before.
+    before: BTreeMap<usize, (f64, Option<u64>)>,
+    /// Of every sensor, where it took the last scan in use.
+    places: BTreeMap<usize, Place>,
     thinning: Thinning,
 }
 
 impl Choice {
     pub(crate) fn new(options: &Options, start_s: f64) -> Self {
-        Self { options: options.clone(), trajectory: None, start_s, before: None, thinning: Thinning::default() }
+        Self {
+            options: options.clone(),
+            trajectory: None,
+            start_s,
+            before: BTreeMap::new(),
+            places: BTreeMap::new(),
+            thinning: Thinning::default(),
+        }
     }
 
     pub(crate) fn along(&mut self, trajectory: Trajectory, body: Body) {
         self.trajectory = Some((trajectory, body));
     }
 
+    /// The trajectory that gives the poses, if not the log.
+    pub(crate) fn trajectory(&self) -> Option<&Trajectory> {
+        self.trajectory.as_ref().map(|(trajectory, _)| trajectory)
+    }
+
+    /// Counts a scan of the log, in the order of the log.
+    pub(crate) fn see(&mut self, recorded: &Recorded, report: &mut Report) {
+        let now = (recorded.scan.time_s, recorded.number);
+        let before = self.before.insert(recorded.sensor, now);
+        if let Some((time_s, number)) = before.filter(|(time_s, number)| now.0 < *time_s || now.1 < *number) {
+            let by_s = (time_s - now.0).max(0.0);
+            report.step_back(recorded.line, if by_s > 0.0 || number.is_none() { by_s } else { 0.0 });
+        }
+        report.at(now.0 - self.start_s);
+    }
+
     /// The scan with its time since the start, if it is to be given.
-    pub(crate) fn take(&mut self, recorded: Recorded, report: &mut Report) -> Option<Scan> {
-        let Recorded { mut scan, mount, number, .. } = recorded;
+    pub(crate) fn take(&mut self, recorded: Recorded, report: &mut Report) -> Option<Event> {
+        let Recorded { mut scan, sensor, mount, odometry, placed, gap, line, .. } = recorded;
         let clock_s = scan.time_s;
-        let back = self.before.is_some_and(|(time_s, before)| clock_s < time_s || number < before);
-        report.steps_back += u64::from(back);
-        self.before = Some((clock_s, number));
         scan.time_s = clock_s - self.start_s;
-        report.at(scan.time_s);
         if self.options.window_s.as_ref().is_some_and(|window| !window.contains(&scan.time_s)) {
             report.outside_window += 1;
             return None;
         }
         if let Some((trajectory, body)) = &self.trajectory {
-            let Some(pose) = trajectory.pose(clock_s) else {
-                report.outside_trajectory += 1;
-                return None;
+            let pose = match trajectory.at(clock_s, self.options.max_gap_s) {
+                At::Pose(pose) => pose,
+                At::Gap(gap) => {
+                    report.in_gap(gap);
+                    return None;
+                }
+                At::Outside => {
+                    report.outside_trajectory += 1;
+                    return None;
+                }
             };
             scan.pose = match body {
                 Body::Sensor => pose,
                 Body::Robot => mounted(pose, mount),
             };
+        } else if !placed {
+            match gap {
+                Some(gap) => report.in_gap(gap),
+                None => report.unplaced += 1,
+            }
+            return None;
+        }
+        let place = Place { pose: scan.pose, time_s: clock_s, line };
+        if let Some(before) = self.places.insert(sensor, place) {
+            report.motion.add(before, place);
         }
         if !self.thinning.keeps(scan.pose, &self.options) {
             report.thinned += 1;
             return None;
         }
         report.kept += 1;
-        Some(scan)
+        Some(Event { scan, sensor, odometry, line })
     }
 }
 
@@ -80,8 +122,7 @@ impl Thinning {
 }
 
 fn far_enough(last: Pose, pose: Pose, options: &Options) -> bool {
-    let moved_m = libm::hypot(pose.x_m - last.x_m, pose.y_m - last.y_m);
-    let turned_rad = libm::remainder(pose.theta_rad - last.theta_rad, std::f64::consts::TAU).abs();
+    let (moved_m, turned_rad) = (distance_m(pose, last), turn_rad(pose, last));
     match (options.least_move_m, options.least_turn_rad) {
         (None, None) => true,
         (move_m, turn_rad) => {

@@ -21,6 +21,22 @@ pub enum LogError {
         /// The path.
         place: String,
     },
+    /// It is no file, and a log is read more than once.
+    #[error("{place}: is a pipe or a device, and a log is read more than once; save it to a file and give that")]
+    Pipe {
+        /// The path.
+        place: String,
+    },
+    /// It is another kind of file.
+    #[error("{place}: is {what}, not a log or a trajectory; {remedy}")]
+    Foreign {
+        /// The file.
+        place: String,
+        /// What it is.
+        what: &'static str,
+        /// What to do.
+        remedy: &'static str,
+    },
     /// Reading came to an end before the log did: a disk's error, or compressed data that are cut or damaged.
     #[error(
         "{place}: cannot be read beyond line {line}: {source}; what stands before was read, get a whole copy of the file"
@@ -33,6 +49,36 @@ pub enum LogError {
         /// What the system or the decoder reports.
         source: io::Error,
     },
+    /// The rows of a table cannot be put together to scans.
+    #[error("{place}:{line}: {reason}")]
+    Table {
+        /// The file.
+        place: String,
+        /// Line, from 1.
+        line: u64,
+        /// What is wrong and what to do.
+        reason: String,
+    },
+    /// A trajectory has another clock than the log.
+    #[error(
+        "{place}: none of its {scans} scans lies in the time of the trajectory: the log goes from {:.3} to {:.3} s, the trajectory from \
+         {:.3} to {:.3} s; it has another clock: add {:.3} s to its times if both begin together",
+        log_s[0],
+        log_s[1],
+        trajectory_s[0],
+        trajectory_s[1],
+        log_s[0] - trajectory_s[0]
+    )]
+    Clocks {
+        /// The log.
+        place: String,
+        /// Number of its scans.
+        scans: u64,
+        /// First and last time of the log, s.
+        log_s: [f64; 2],
+        /// First and last time of the trajectory, s.
+        trajectory_s: [f64; 2],
+    },
     /// The first line of a table does not name its columns as it must.
     #[error("{place}:{line}: {reason}")]
     Head {
@@ -44,15 +90,13 @@ pub enum LogError {
         reason: String,
     },
     /// Nothing in the file is a scan.
-    #[error(
-        "{place}: no scan in {lines} lines{reason}; give a CARMEN log with FLASER or ROBOTLASER1, or a table of scans"
-    )]
+    #[error("{place}: no scan in {lines} lines{reason}")]
     NoScan {
         /// The file.
         place: String,
         /// Number of lines.
         lines: u64,
-        /// The first problem or what was skipped, if anything was.
+        /// The first problem, or what was skipped and what to do.
         reason: String,
     },
     /// Too many lines are damaged.

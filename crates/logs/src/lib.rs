@@ -1,8 +1,8 @@
 //! Reads what robots recorded, as a stream of [`sensor::Scan`]s.
 //!
-//! [`Log::open`] takes a CARMEN log ([`carmen`]) or a table of scans ([`table`]), plain or gzip, and finds out which by
+//! [`Log::open`] takes a CARMEN log ([`carmen`]) or a table of scans ([`table`]), plain, gzip or bzip2, and finds out which by
 //! the content. Iterating gives scan after scan in bounded memory. A damaged line is noted in the [`Report`], counted and
-//! skipped; too many of them refuse the log.
+//! skipped; too many of them refuse the log. What can make results doubtful is in [`Report::findings`].
 //!
 //! ```
 //! use logs::{Log, Options};
@@ -21,28 +21,35 @@
 //! |---|---|---|
 //! | `Some(r)`, finite | an echo at range r | a disparity |
 //! | `Some(INFINITY)` | no echo up to the maximum range ([`Sensor::Laser`]): free all the way, not a wall | does not occur |
-//! | `None` | nothing usable: NaN, zero, negative, below the minimum range, an empty field | no match |
+//! | `None` | nothing usable: NaN, zero, negative, below the minimum range, an empty field | no match: NaN, zero, negative, infinite, above the largest disparity, an empty field |
 
+mod bounds;
 pub mod carmen;
 mod choice;
 mod error;
+mod fan;
 mod fields;
+mod finding;
+mod frames;
 mod lines;
 mod log;
+mod motion;
 mod options;
 mod ranges;
 mod record;
 mod report;
 mod source;
+mod strays;
 pub mod table;
-mod trajectory;
+pub mod trajectory;
 
 pub use error::LogError;
+pub use fan::{Fan, FanOptions, FanSource};
+pub use finding::Finding;
+pub use lines::LONGEST_LINE;
 pub use log::Log;
-pub use options::{Fan, Options};
-pub use record::Sensor;
-pub use report::{Problem, Report};
+pub use motion::{Motion, Step};
+pub use options::Options;
+pub use record::{Event, Sensor};
+pub use report::{FanReport, Gap, NoMatchCodes, Problem, Report, SensorReport, StepBack, Stray};
 pub use trajectory::{Body, Trajectory};
-
-/// A longer line is damaged, and no more of it than this is kept. Bytes.
-pub const LONGEST_LINE: usize = 1 << 20;

@@ -4,7 +4,8 @@ use std::io::{self, BufRead, ErrorKind};
 
 use memchr::memchr2;
 
-use crate::LONGEST_LINE;
+/// A longer line is damaged, and no more of it than this is kept. Bytes.
+pub const LONGEST_LINE: usize = 1 << 20;
 
 /// Splits a text into lines that end in `\n`, `\r\n` or `\r`, or with the text.
 ///

@@ -1,6 +1,6 @@
 //! A log as a stream of scans.
 
-use std::fs::File;
+use std::collections::VecDeque;
 use std::io::{BufRead, Read};
 use std::path::Path;
 
@@ -10,15 +10,17 @@ use sensor::Scan;
 use crate::carmen::Carmen;
 use crate::choice::Choice;
 use crate::error::LogError;
-use crate::lines::{Line, Lines};
+use crate::lines::{LONGEST_LINE, Line, Lines};
 use crate::options::Options;
-use crate::record::{Parser, Recorded, Sensor};
+use crate::record::{Event, Fault, Parser, Recorded, Sensor};
 use crate::report::{Problem, Report};
-use crate::table::{self, Table};
+use crate::source;
+use crate::strays::Strays;
+use crate::table::{Head, Table};
 use crate::trajectory::{Body, Trajectory};
-use crate::{LONGEST_LINE, source};
 
-/// A log, read scan by scan. It holds one line and two scans at a time, and of a trajectory all.
+/// A log, read scan by scan. It holds one line and at most some hundred scans at a time, of a trajectory all, and of a table whose rows are
+/// not in order as much as four million rows.
 ///
 /// Iterating ends after the first error. Times of scans are s since the first scan of the log, kept or not.
 pub struct Log<'a> {
@@ -30,8 +32,11 @@ pub struct Log<'a> {
     parser: Option<Box<dyn Parser>>,
     report: Report,
     sensor: Sensor,
-    /// The scan to give next, if it is known already.
-    ahead: Option<Recorded>,
+    /// Scans that the parser completed.
+    ahead: VecDeque<Recorded>,
+    strays: Strays,
+    /// Scans whose poses are near others'.
+    near: VecDeque<Recorded>,
     choice: Choice,
     /// The report may keep no problem at all.
     first_damage: Option<Problem>,
@@ -49,12 +54,12 @@ enum Kind {
 }
 
 impl Log<'static> {
-    /// Opens a CARMEN log or a table of scans, plain or gzip, and reads up to its first scan.
+    /// Opens a CARMEN log or a table of scans, plain, gzip or bzip2, and reads up to its first scan.
     ///
     /// # Errors
-    /// A file that cannot be read, options that make no sense, the head of a table that is wrong, a log without a scan.
+    /// A file that cannot be read, or not twice; options that make no sense, the head of a table that is wrong, a log without a scan.
     pub fn open(path: &Path, options: &Options) -> Result<Self, LogError> {
-        Self::begin(file(path)?, &path.display().to_string(), options, None)
+        Self::begin(source::file(path, true)?, &path.display().to_string(), options, None)
     }
 }
 
@@ -83,8 +88,8 @@ impl<'a> Log<'a> {
         Self::begin(source, place, options, Some(Kind::Table))
     }
 
-    /// Takes the poses of scans from a trajectory, by the log's own clock (`ipc_time`, `time_s`); scans outside its time span are
-    /// dropped and counted.
+    /// Takes the poses of scans from a trajectory, by the log's own clock (`ipc_time`, `time_s`); scans outside its time span, and
+    /// in gaps longer than [`Options::max_gap_s`], are dropped and counted. If all lie outside, the log ends with [`LogError::Clocks`].
     ///
     /// # Errors
     /// [`LogError::Untimed`], for a table without times.
@@ -92,6 +97,8 @@ impl<'a> Log<'a> {
         if !self.parser.as_ref().is_some_and(|parser| parser.timed()) {
             return Err(LogError::Untimed { place: self.place });
         }
+        self.report.noted.extend_from_slice(trajectory.findings());
+        self.report.along_trajectory = true;
         self.choice.along(trajectory, body);
         Ok(self)
     }
@@ -106,6 +113,29 @@ impl<'a> Log<'a> {
         &self.report
     }
 
+    /// The next scan, with its sensor, odometry and line; none at the end, an error at most once.
+    pub fn next_event(&mut self) -> Option<Result<Event, LogError>> {
+        loop {
+            let Some(recorded) = self.near.pop_front() else {
+                match self.record() {
+                    // The trajectory gives all poses: those of the log do not matter.
+                    Some(recorded) if self.choice.trajectory().is_some() => self.near.push_back(recorded),
+                    Some(recorded) => self.strays.take(recorded, &mut self.report, &mut self.near),
+                    None => {
+                        self.strays.end(&mut self.report, &mut self.near);
+                        if self.near.is_empty() {
+                            return self.close().map(Err);
+                        }
+                    }
+                }
+                continue;
+            };
+            if let Some(event) = self.choice.take(recorded, &mut self.report) {
+                return Some(Ok(event));
+            }
+        }
+    }
+
     fn begin(
         source: impl Read + Send + 'a,
         place: &str,
@@ -113,88 +143,119 @@ impl<'a> Log<'a> {
         kind: Option<Kind>,
     ) -> Result<Self, LogError> {
         options.check()?;
-        let text = source::text(source);
-        let text = text.map_err(|source| LogError::Interrupted { place: place.to_owned(), line: 0, source })?;
         let mut log = Self {
             place: place.to_owned(),
             options: options.clone(),
-            lines: Lines::new(text),
+            lines: Lines::new(source::text(source, place)?),
             kind,
             parser: None,
-            report: Report::default(),
+            report: Report {
+                max_gap_s: options.max_gap_s,
+                max_disparity_px: options.max_disparity_px.unwrap_or(f64::INFINITY),
+                windowed: options.window_s.is_some(),
+                ..Report::default()
+            },
             sensor: Sensor::Stereo,
-            ahead: None,
+            ahead: VecDeque::new(),
+            strays: Strays::default(),
+            near: VecDeque::new(),
             choice: Choice::new(options, 0.0),
             first_damage: None,
             maximum_changed: false,
             failure: None,
             ended: false,
         };
-        log.ahead = log.record();
-        match &log.ahead {
-            Some(first) => (log.sensor, log.choice) = (first.sensor, Choice::new(options, first.scan.time_s)),
+        while log.ahead.is_empty() && !log.ended {
+            log.read_line();
+        }
+        match log.ahead.front() {
+            Some(first) => {
+                (log.sensor, log.choice) = (first.kind, Choice::new(options, first.scan.time_s));
+                log.report.start_s = first.scan.time_s;
+            }
             None => return Err(log.failure.take().unwrap_or_else(|| log.no_scan())),
         }
         Ok(log)
     }
 
-    /// The next scan of the log whose ranges are believable.
+    /// The next scan of the log whose readings are plausible, counted.
     fn record(&mut self) -> Option<Recorded> {
-        while !self.ended {
-            let (number, outcome) = match self.lines.next() {
-                Ok(Some((_, Line::Text(text)))) if text.trim_ascii().is_empty() => continue,
-                Ok(Some((number, Line::Text(text)))) if memchr(0, text).is_some() => {
-                    (number, Err("holds a byte of value 0, so that it is no text".to_owned()))
-                }
-                Ok(Some((number, Line::Text(text)))) => match &mut self.parser {
-                    Some(parser) => (number, parser.line(text, number, &mut self.report)),
-                    None => match parser(self.kind, text, &self.options) {
-                        Ok((mut parser, head)) => {
-                            let outcome = if head { Ok(None) } else { parser.line(text, number, &mut self.report) };
-                            self.parser = Some(parser);
-                            (number, outcome)
-                        }
-                        Err(reason) => {
-                            return self.end(Some(LogError::Head { place: self.place.clone(), line: number, reason }));
-                        }
-                    },
-                },
-                Ok(Some((number, Line::TooLong))) => {
-                    (number, Err(format!("is longer than {LONGEST_LINE} bytes, of which no line of a log is")))
-                }
-                Ok(None) => return self.end(None),
-                Err(source) => {
-                    let (place, line) = (self.place.clone(), self.lines.number());
-                    return self.end(Some(LogError::Interrupted { place, line, source }));
-                }
-            };
-            self.report.lines += 1;
-            match outcome {
-                Ok(None) => {}
-                Ok(Some(recorded)) => {
-                    if let Some(recorded) = self.believe(recorded) {
-                        return Some(recorded);
+        while self.ahead.is_empty() && !self.ended {
+            self.read_line();
+        }
+        let recorded = self.ahead.pop_front()?;
+        self.count(&recorded);
+        self.choice.see(&recorded, &mut self.report);
+        Some(recorded)
+    }
+
+    /// Reads a line, or comes to the end, and keeps the scans that this completes.
+    fn read_line(&mut self) {
+        let mut complete = VecDeque::new();
+        let (number, outcome) = match self.lines.next() {
+            Ok(Some((_, Line::Text(text)))) if text.trim_ascii().is_empty() => return,
+            Ok(Some((number, Line::Text(text)))) if memchr(0, text).is_some() => {
+                (number, Err(Fault::Damage("holds a byte of value 0, so that it is no text".to_owned())))
+            }
+            Ok(Some((number, Line::Text(text)))) => match &mut self.parser {
+                Some(parser) => (number, parser.line(text, number, &mut self.report, &mut complete)),
+                None => match begun(self.kind, text, &self.options) {
+                    Ok(Begun::Comment) => {
+                        self.report.skip("#");
+                        (number, Ok(()))
                     }
-                }
-                Err(reason) => self.damage(number, reason),
+                    Ok(Begun::Table(table)) => {
+                        self.parser = Some(table);
+                        (number, Ok(()))
+                    }
+                    Ok(Begun::Carmen(mut parser)) => {
+                        let outcome = parser.line(text, number, &mut self.report, &mut complete);
+                        self.parser = Some(parser);
+                        (number, outcome)
+                    }
+                    Err(reason) => {
+                        return self.end(Some(LogError::Head { place: self.place.clone(), line: number, reason }));
+                    }
+                },
+            },
+            Ok(Some((number, Line::TooLong))) => {
+                let reason = format!("is longer than {LONGEST_LINE} bytes, of which no line of a log is");
+                (number, Err(Fault::Damage(reason)))
+            }
+            Ok(None) => return self.end(None),
+            Err(source) => {
+                let (place, line) = (self.place.clone(), self.lines.number());
+                return self.end(Some(LogError::Interrupted { place, line, source }));
+            }
+        };
+        self.report.lines += 1;
+        self.keep(complete);
+        match outcome {
+            Ok(()) => {}
+            Err(Fault::Damage(reason)) => self.damage(number, reason),
+            Err(Fault::Refusal(reason)) => {
+                (self.ended, self.failure) =
+                    (true, Some(LogError::Table { place: self.place.clone(), line: number, reason }));
             }
         }
-        None
     }
 
-    /// The scan that the end completes; the failure, if it is one, is said after it.
-    fn end(&mut self, failure: Option<LogError>) -> Option<Recorded> {
+    /// Keeps the scans that the end completes; the failure, if it is one, is said after them.
+    fn end(&mut self, failure: Option<LogError>) {
         (self.ended, self.failure) = (true, failure);
-        let last = self.parser.as_mut().and_then(|parser| parser.end());
-        last.and_then(|last| self.believe(last))
+        let mut last = VecDeque::new();
+        if let Some(parser) = &mut self.parser {
+            parser.end(&mut self.report, &mut last);
+        }
+        self.keep(last);
     }
 
-    fn believe(&mut self, recorded: Recorded) -> Option<Recorded> {
-        match recorded.unit {
-            Ok(()) => Some(recorded),
-            Err(reason) => {
-                self.damage(recorded.line, reason);
-                None
+    /// Scans of implausible readings are damage.
+    fn keep(&mut self, complete: VecDeque<Recorded>) {
+        for recorded in complete {
+            match recorded.unit {
+                Ok(()) => self.ahead.push_back(recorded),
+                Err(reason) => self.damage(recorded.line, reason),
             }
         }
     }
@@ -206,8 +267,9 @@ impl<'a> Log<'a> {
     }
 
     fn count(&mut self, recorded: &Recorded) {
-        self.report.readings(&recorded.scan.readings, recorded.sensor != Sensor::Stereo);
-        let maxima = [recorded.sensor, self.sensor].map(|sensor| match sensor {
+        self.report.readings(&recorded.scan.readings, recorded.kind != Sensor::Stereo);
+        self.report.sensors.entry(recorded.sensor).or_default().scans += 1;
+        let maxima = [recorded.kind, self.sensor].map(|sensor| match sensor {
             Sensor::Laser { max_range_m, .. } => max_range_m,
             Sensor::Stereo => f64::INFINITY,
         });
@@ -223,13 +285,18 @@ impl<'a> Log<'a> {
         if let Some(failure) = self.failure.take() {
             return Some(failure);
         }
-        let Report { damaged, lines, .. } = self.report;
+        let Report { damaged, lines, scans, outside_trajectory, .. } = self.report;
         let share = self.options.damaged_share;
-        if damaged <= 1 || damaged as f64 <= share * lines as f64 {
+        if damaged > 1 && damaged as f64 > share * lines as f64 {
+            let Problem { line, reason } = self.first_damage.take()?;
+            return Some(LogError::Damaged { place: self.place.clone(), line, reason, damaged, lines, share });
+        }
+        let trajectory_s = self.choice.trajectory().filter(|_| outside_trajectory == scans)?.span_s();
+        if std::mem::replace(&mut self.report.clocks_differ, true) {
             return None;
         }
-        let Problem { line, reason } = self.first_damage.take()?;
-        Some(LogError::Damaged { place: self.place.clone(), line, reason, damaged, lines, share })
+        let log_s = self.report.span_s.unwrap_or_default().map(|at| at + self.report.start_s);
+        Some(LogError::Clocks { place: self.place.clone(), scans, log_s, trajectory_s })
     }
 
     fn no_scan(&self) -> LogError {
@@ -238,7 +305,8 @@ impl<'a> Log<'a> {
             None if self.report.lines == 0 => ": it is empty".to_owned(),
             None => {
                 let names: Vec<_> = self.report.skipped.keys().take(5).cloned().collect();
-                if names.is_empty() { String::new() } else { format!(", only {}", names.join(", ")) }
+                let only = if names.is_empty() { String::new() } else { format!(", only {}", names.join(", ")) };
+                only + "; give a CARMEN log with FLASER, RLASER, ROBOTLASER1, or RAWLASER1 and ODOM, or a table of scans"
             }
         };
         LogError::NoScan { place: self.place.clone(), lines: self.report.lines, reason }
@@ -249,31 +317,25 @@ impl Iterator for Log<'_> {
     type Item = Result<Scan, LogError>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        loop {
-            let Some(recorded) = self.ahead.take().or_else(|| self.record()) else {
-                return self.close().map(Err);
-            };
-            self.count(&recorded);
-            if let Some(scan) = self.choice.take(recorded, &mut self.report) {
-                return Some(Ok(scan));
-            }
-        }
+        self.next_event().map(|event| event.map(|event| event.scan))
     }
 }
 
-/// The parser for a text with this first line, and whether it needs that line no more.
-fn parser(kind: Option<Kind>, line: &[u8], options: &Options) -> Result<(Box<dyn Parser>, bool), String> {
-    match kind.unwrap_or(if table::is_head(line) { Kind::Table } else { Kind::Carmen }) {
-        Kind::Table => Ok((Box::new(Table::new(line, options)?), true)),
-        Kind::Carmen => Ok((Box::new(Carmen::new(options)), false)),
-    }
+/// What the first line of a text begins.
+enum Begun {
+    /// Nothing yet.
+    Comment,
+    /// A table whose head it is.
+    Table(Box<dyn Parser>),
+    /// A log whose first message it is.
+    Carmen(Box<dyn Parser>),
 }
 
-pub(crate) fn file(path: &Path) -> Result<File, LogError> {
-    let place = || path.display().to_string();
-    let file = File::open(path).map_err(|source| LogError::Unreadable { place: place(), source })?;
-    if file.metadata().is_ok_and(|metadata| metadata.is_dir()) {
-        return Err(LogError::Folder { place: place() });
+fn begun(kind: Option<Kind>, line: &[u8], options: &Options) -> Result<Begun, String> {
+    let found = if kind == Some(Kind::Carmen) { Head::None } else { Head::of(line) };
+    match found {
+        Head::Comment => Ok(Begun::Comment),
+        Head::None if kind != Some(Kind::Table) => Ok(Begun::Carmen(Box::new(Carmen::new(options)))),
+        Head::None | Head::Names => Ok(Begun::Table(Box::new(Table::new(line, options)?))),
     }
-    Ok(file)
 }

@@ -3,16 +3,23 @@
 use std::ops::Range;
 
 use crate::error::LogError;
+use crate::fan::FanOptions;
 
 /// What to read of a log, and how. The default reads everything.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Options {
     /// A laser reading below this is unusable, m; 0 by default. Zero and negative readings always are.
     pub min_range_m: f64,
-    /// A laser reading of this or more is a no-return, m. By default what the log says, else 80 m.
+    /// A laser reading of this or more is a no-return, m. By default what the log gives, else 80 m.
     pub max_range_m: Option<f64>,
-    /// Directions of the beams of `FLASER`, which does not say; by default by their number, see [`carmen`](crate::carmen).
-    pub fan: Option<Fan>,
+    /// A disparity above this is no match, px, and a scan most of whose disparities lie above it is refused. By default there is
+    /// no bound.
+    pub max_disparity_px: Option<f64>,
+    /// Directions of the beams of a laser in a CARMEN log, instead of what the log gives, see [`carmen`](crate::carmen).
+    pub fan: FanOptions,
+    /// Two poses of a trajectory, or of the odometry of a raw laser, that are more than this apart are not bridged, s; scans in
+    /// between are dropped and counted. 1 by default.
+    pub max_gap_s: f64,
     /// Every n-th scan alone, from the first on, of those within the time window and the trajectory; 1 by default.
     pub every: u64,
     /// Scans of these times alone, s since the first scan of the log; the end is not included.
@@ -29,21 +36,14 @@ pub struct Options {
     pub problems: usize,
 }
 
-/// Directions of the beams of a scan: `first_rad + k step_rad`, rad to the laser's axis, counter-clockwise.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Fan {
-    /// Bearing of the first beam, rad.
-    pub first_rad: f64,
-    /// From one beam to the next, rad; negative where beams go from left to right.
-    pub step_rad: f64,
-}
-
 impl Default for Options {
     fn default() -> Self {
         Self {
             min_range_m: 0.0,
             max_range_m: None,
-            fan: None,
+            max_disparity_px: None,
+            fan: FanOptions::default(),
+            max_gap_s: 1.0,
             every: 1,
             window_s: None,
             least_move_m: None,
@@ -69,8 +69,14 @@ impl Options {
         if let Some(max) = self.max_range_m.filter(|max| max.is_nan() || *max <= self.min_range_m) {
             return refuse("max_range_m", max.to_string(), "a number of m above min_range_m");
         }
-        if let Some(fan) = self.fan.filter(|fan| !(fan.first_rad.abs() <= 6.3 && fan.step_rad.abs() <= 6.3)) {
-            return refuse("fan", format!("{fan:?}"), "angles from -2 pi to 2 pi rad");
+        if let Some(max) = self.max_disparity_px.filter(|max| max.is_nan() || *max <= 0.0) {
+            return refuse("max_disparity_px", max.to_string(), "a number of px above 0");
+        }
+        if let Err(bound) = self.fan.check() {
+            return refuse("fan", format!("{:?}", self.fan), bound);
+        }
+        if self.max_gap_s.is_nan() || self.max_gap_s < 0.0 {
+            return refuse("max_gap_s", self.max_gap_s.to_string(), "a number of s, 0 or more");
         }
         if self.every == 0 {
             return refuse("every", "0".to_owned(), "1 or more");
@@ -100,13 +106,19 @@ mod tests {
         let fine = Options::default();
         assert!(fine.check().is_ok());
         assert!(Options { max_range_m: Some(f64::INFINITY), ..fine.clone() }.check().is_ok());
-        let fan = Some(Fan { first_rad: f64::NAN, step_rad: 0.1 });
+        assert!(Options { max_gap_s: f64::INFINITY, ..fine.clone() }.check().is_ok());
+        let fan =
+            |fov_rad, first_rad, step_rad| Options { fan: FanOptions { fov_rad, first_rad, step_rad }, ..fine.clone() };
         for (name, options) in [
             ("min_range_m", Options { min_range_m: f64::NAN, ..fine.clone() }),
             ("min_range_m", Options { min_range_m: -1.0, ..fine.clone() }),
             ("max_range_m", Options { min_range_m: 2.0, max_range_m: Some(2.0), ..fine.clone() }),
             ("max_range_m", Options { max_range_m: Some(f64::NAN), ..fine.clone() }),
-            ("fan", Options { fan, ..fine.clone() }),
+            ("max_disparity_px", Options { max_disparity_px: Some(0.0), ..fine.clone() }),
+            ("fan", fan(None, Some(f64::NAN), None)),
+            ("fan", fan(Some(7.0), None, None)),
+            ("fan", fan(None, None, Some(0.0))),
+            ("max_gap_s", Options { max_gap_s: -1.0, ..fine.clone() }),
             ("every", Options { every: 0, ..fine.clone() }),
             ("window_s", Options { window_s: Some(3.0..3.0), ..fine.clone() }),
             ("window_s", Options { window_s: Some(f64::NAN..3.0), ..fine.clone() }),

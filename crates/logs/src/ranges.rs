@@ -1,12 +1,14 @@
-//! What the range of a beam says: an echo, no echo, or nothing.
+//! What the range of a beam, or a disparity, says: an echo or a match, no echo, or nothing.
 
 use crate::options::Options;
+use crate::report::NoMatchCodes;
 
 /// The maximum range where neither options nor log name one, m.
 pub(crate) const MAX_RANGE_M: f64 = 80.0;
 
-/// Scanners that see farther than this on average are taken for a mistake of units, m.
-const FAR_MEDIAN_M: f64 = 200.0;
+/// Scanners that see farther than this on average are taken for a mistake of units, m: no building is so large, and SICK's codes for no
+/// echo are below.
+const FAR_MEDIAN_M: f64 = 82.0;
 
 /// The rule by which ranges are judged.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,6 +54,39 @@ pub(crate) fn check_unit(ranges: &mut Vec<f64>) -> Result<(), String> {
     Err(format!(
         "the median of {} ranges is {median}, which must be at most {FAR_MEDIAN_M} m; are they in mm or cm? convert them to m",
         ranges.len()
+    ))
+}
+
+/// What a disparity (px) says: none is no match; NaN, 0 or less, infinite and above the largest that is searched are so too, and
+/// are counted where they may be a mistake.
+pub(crate) fn disparity(raw: Option<f64>, most_px: Option<f64>, codes: &mut NoMatchCodes) -> Option<f64> {
+    let disparity = raw?;
+    if disparity.is_infinite() {
+        codes.infinite += 1;
+    } else if disparity > most_px.unwrap_or(f64::INFINITY) {
+        codes.large += 1;
+    } else if disparity > 0.0 {
+        return raw;
+    } else {
+        codes.zero += u64::from(disparity.total_cmp(&0.0).is_eq() || disparity.total_cmp(&-0.0).is_eq());
+    }
+    None
+}
+
+/// Refuses a scan most of whose disparities lie above the largest that the camera searches, px.
+pub(crate) fn check_scale(disparities: &mut Vec<f64>, most_px: Option<f64>) -> Result<(), String> {
+    disparities.retain(|disparity| *disparity > 0.0 && disparity.is_finite());
+    let Some(most_px) = most_px.filter(|_| !disparities.is_empty()) else { return Ok(()) };
+    let all = disparities.len();
+    let above = disparities.iter().filter(|disparity| **disparity > most_px).count();
+    if 2 * above <= all {
+        return Ok(());
+    }
+    let median = *disparities.select_nth_unstable_by(all / 2, f64::total_cmp).1;
+    Err(format!(
+        "{} % of {all} disparities lie above the largest that is searched, {most_px} px (--max-disparity); their median is {median} \
+         px: are they sixteenths (OpenCV) or 256ths (KITTI) of a pixel? divide them by 16 or 256, or give the camera's bound",
+        100 * above / all
     ))
 }
 
@@ -103,11 +138,36 @@ mod tests {
             (vec![f64::NAN, -1.0, f64::INFINITY, f64::INFINITY, 2.0], true),
             (vec![65535.0, 65535.0, 65535.0, 3.0], true), // a code for no echo, and one echo
             (vec![1500.0, 2000.0, 2100.0, 8000.0], false),
+            (vec![90.0, 120.0, 180.0, 400.0], false), // cm in a small room
+            (vec![81.83, 81.83, 81.83, 81.91, 2.0], true),
             (vec![210.0, 310.0, 400.0, 8191.0, 8191.0], false),
         ] {
             assert_eq!(check_unit(&mut ranges.clone()).is_ok(), metres, "{ranges:?}");
         }
         let message = check_unit(&mut vec![1500.0, 2000.0, 2100.0, 8000.0]).expect_err("mm");
         assert!(message.contains("2000") && message.contains("mm or cm"), "{message}");
+    }
+
+    #[test]
+    fn every_code_for_no_match_is_none() {
+        let mut codes = NoMatchCodes::default();
+        let mut read = |raw: f64| disparity(Some(raw), Some(64.0), &mut codes);
+        assert_eq!([read(0.5), read(64.0)], [Some(0.5), Some(64.0)]);
+        for raw in [0.0, -0.0, -1.0, -16.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 64.5] {
+            assert_eq!(read(raw), None, "{raw}");
+        }
+        assert_eq!(codes, NoMatchCodes { zero: 2, infinite: 2, large: 1 });
+        assert_eq!(disparity(None, None, &mut codes), None);
+        assert_eq!(disparity(Some(1e6), None, &mut codes), Some(1e6), "no bound");
+    }
+
+    #[test]
+    fn parts_of_a_pixel_are_noticed_by_the_largest_disparity() {
+        let scan = |scale: f64| (1..=9).map(|k| scale * f64::from(k)).chain([-scale, f64::NAN]).collect::<Vec<_>>();
+        assert_eq!(check_scale(&mut scan(1.0), Some(20.0)), Ok(()));
+        assert_eq!(check_scale(&mut scan(16.0), None), Ok(()), "without a bound nothing is known");
+        assert_eq!(check_scale(&mut vec![-1.0], Some(20.0)), Ok(()));
+        let message = check_scale(&mut scan(16.0), Some(20.0)).expect_err("sixteenths");
+        assert!(message.contains("88 % of 9 disparities") && message.contains("divide them by 16 or 256"), "{message}");
     }
 }

@@ -1,8 +1,10 @@
 //! What a parser makes of a log: scans with what else is known of them.
 
+use std::collections::VecDeque;
+
 use sensor::{Pose, Scan};
 
-use crate::report::Report;
+use crate::report::{Gap, Report};
 
 /// What took the scans of a log, and so the unit of their readings.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,28 +20,68 @@ pub enum Sensor {
     Stereo,
 }
 
+/// A scan with what a log tells of it beside.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Event {
+    /// The scan; its time is s since the first scan of the log.
+    pub scan: Scan,
+    /// Which sensor took it: a key of [`Report::sensors`].
+    pub sensor: usize,
+    /// Pose of the robot by its odometry, where the log has one.
+    pub odometry: Option<Pose>,
+    /// The line it begins on, from 1.
+    pub line: u64,
+}
+
 /// One scan of a log, before any choice.
 pub(crate) struct Recorded {
     /// The scan; its time is that of the log's own clock, s.
     pub(crate) scan: Scan,
-    pub(crate) sensor: Sensor,
+    pub(crate) sensor: usize,
+    pub(crate) kind: Sensor,
     /// Where the sensor stands on the robot.
     pub(crate) mount: Pose,
+    pub(crate) odometry: Option<Pose>,
+    /// Whether the log gives the scan a pose.
+    pub(crate) placed: bool,
+    /// Why it has none, if it lies in a gap of the odometry.
+    pub(crate) gap: Option<Gap>,
     /// The line it begins on.
     pub(crate) line: u64,
-    /// What makes its ranges unbelievable.
+    /// What makes its readings implausible.
     pub(crate) unit: Result<(), String>,
     /// Number of the scan, where the log has one.
     pub(crate) number: Option<u64>,
 }
 
+/// What is wrong with a line.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) enum Fault {
+    /// The line is damaged, and is skipped.
+    Damage(String),
+    /// The log cannot be read at all.
+    Refusal(String),
+}
+
+impl From<String> for Fault {
+    fn from(reason: String) -> Self {
+        Self::Damage(reason)
+    }
+}
+
 /// Turns lines into scans.
 pub(crate) trait Parser: Send {
-    /// Takes one line; gives the scan that it completes, or what is wrong with the line.
-    fn line(&mut self, text: &[u8], number: u64, report: &mut Report) -> Result<Option<Recorded>, String>;
+    /// Takes one line; adds the scans that it completes.
+    fn line(
+        &mut self,
+        text: &[u8],
+        number: u64,
+        report: &mut Report,
+        out: &mut VecDeque<Recorded>,
+    ) -> Result<(), Fault>;
 
-    /// The scan that the end of the log completes.
-    fn end(&mut self) -> Option<Recorded>;
+    /// Adds the scans that the end of the log completes.
+    fn end(&mut self, report: &mut Report, out: &mut VecDeque<Recorded>);
 
     /// Whether scans have times of a clock.
     fn timed(&self) -> bool;

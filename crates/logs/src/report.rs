@@ -3,6 +3,10 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
+use crate::fan::{Fan, FanSource};
+use crate::finding::Finding;
+use crate::motion::Motion;
+
 /// Names of messages that the report tells apart; what comes on top is counted together.
 const MOST_NAMES: usize = 100;
 
@@ -14,6 +18,75 @@ pub struct Problem {
     /// What is wrong.
     pub reason: String,
 }
+
+/// What was found of one sensor.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SensorReport {
+    /// Name of its messages; empty in a table.
+    pub name: String,
+    /// Its scans, whether kept or not.
+    pub scans: u64,
+    /// Scans whose pose is that of the odometry.
+    pub odometry_poses: u64,
+    /// Fans by their number of beams, in order.
+    pub fans: Vec<FanReport>,
+}
+
+/// Directions of the beams of a laser in a CARMEN log.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FanReport {
+    /// Line of the first scan that has it.
+    pub line: u64,
+    /// Number of beams.
+    pub beams: usize,
+    /// Their directions.
+    pub fan: Fan,
+    /// Where they were taken from.
+    pub source: FanSource,
+    /// Whether field of view, resolution and number of beams fit each other.
+    pub fits: bool,
+}
+
+/// A time that goes back, from one scan of a sensor to its next.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepBack {
+    /// Line of the later scan.
+    pub line: u64,
+    /// How far, s.
+    pub by_s: f64,
+}
+
+/// A scan whose pose is far from all others.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stray {
+    /// Line of the scan.
+    pub line: u64,
+    /// From the drive, m.
+    pub away_m: f64,
+}
+
+/// Time without a known pose.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gap {
+    /// Where it begins, s by the log's clock.
+    pub from_s: f64,
+    /// How long it is, s.
+    pub long_s: f64,
+}
+
+/// Disparities that cannot be, and were taken for no match.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct NoMatchCodes {
+    /// Exactly 0.
+    pub zero: u64,
+    /// Infinite.
+    pub infinite: u64,
+    /// Above the largest that is searched.
+    pub large: u64,
+}
+
+/// Number of beams that a fan is told apart by; scanners have one or two.
+const MOST_FANS: usize = 8;
 
 /// What was found in a log so far; complete at its end.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -36,12 +109,26 @@ pub struct Report {
     pub damaged: u64,
     /// The first of them, and other things to know, in order.
     pub problems: Vec<Problem>,
-    /// Times that a scan was made before the one that stands before it, or in a table has a lower number.
+    /// Times that a scan was made before the one that stands before it, of the same sensor, or in a table has a lower number.
     pub steps_back: u64,
+    /// The largest step back in time.
+    pub largest_step_back: Option<StepBack>,
     /// Scans outside the time window.
     pub outside_window: u64,
     /// Scans outside the time span of the trajectory.
     pub outside_trajectory: u64,
+    /// Scans in gaps of the trajectory, or of the odometry, that are too long.
+    pub in_gaps: u64,
+    /// The longest of these gaps that has a scan in it.
+    pub longest_gap: Option<Gap>,
+    /// The longest gap that is bridged, s.
+    pub max_gap_s: f64,
+    /// Scans without a pose: of raw lasers, without odometry around them.
+    pub unplaced: u64,
+    /// Scans whose poses are far from all others.
+    pub strays: u64,
+    /// The first of them.
+    pub first_stray: Option<Stray>,
     /// Scans dropped as not the n-th, or too near to the one before.
     pub thinned: u64,
     /// Earliest and latest time of a scan, s since the first; none without a scan.
@@ -50,6 +137,24 @@ pub struct Report {
     pub longest_m: f64,
     /// Beams that have it.
     pub longest_beams: u64,
+    /// Time of the first scan by the log's own clock, s.
+    pub start_s: f64,
+    /// Every sensor, by its number.
+    pub sensors: BTreeMap<usize, SensorReport>,
+    /// How scans that are in use, before thinning, lie to each other.
+    pub motion: Motion,
+    /// Disparities that cannot be.
+    pub codes: NoMatchCodes,
+    /// The largest disparity that is a reading, px; infinite without a bound.
+    pub max_disparity_px: f64,
+    /// Whether a trajectory gives the poses.
+    pub along_trajectory: bool,
+    /// Whether no scan lies in the time of the trajectory.
+    pub clocks_differ: bool,
+    /// Whether a time window was asked for.
+    pub windowed: bool,
+    /// What parsers and the trajectory have to say.
+    pub noted: Vec<Finding>,
 }
 
 impl Report {
@@ -58,6 +163,74 @@ impl Report {
     pub fn suspected_max_range_m(&self) -> Option<f64> {
         let echoes = self.beams - self.no_returns - self.unusable;
         (self.longest_beams >= 10 && self.longest_beams * 100 > echoes).then_some(self.longest_m)
+    }
+
+    /// Scans that were not given.
+    pub fn left_out(&self) -> u64 {
+        self.outside_window + self.outside_trajectory + self.in_gaps + self.unplaced + self.strays + self.thinned
+    }
+
+    /// What is to be known of the log, warnings first.
+    pub fn findings(&self) -> Vec<Finding> {
+        let mut all: Vec<Finding> = self.sensors.values().flat_map(sensor_findings).collect();
+        if self.along_trajectory {
+            all.retain(|finding| !matches!(finding, Finding::OdometryPoses { .. }));
+        }
+        let Motion { jump, jumps, twist, twists, .. } = self.motion;
+        all.extend(jump.map(|step| Finding::Jump { step, count: jumps }));
+        all.extend(twist.map(|step| Finding::Twist { step, count: twists }));
+        if let Some(StepBack { line, by_s }) = self.largest_step_back {
+            all.push(Finding::StepsBack { count: self.steps_back, largest_s: by_s, line, window: self.windowed });
+        }
+        if let Some(Stray { line, away_m }) = self.first_stray {
+            all.push(Finding::Strays { count: self.strays, line, away_m });
+        }
+        if let Some(Gap { from_s, long_s }) = self.longest_gap {
+            all.push(Finding::Gaps { scans: self.in_gaps, longest_s: long_s, from_s, most_s: self.max_gap_s });
+        }
+        let beams = self.beams;
+        let NoMatchCodes { zero, infinite, large } = self.codes;
+        let some = |count: u64, finding: Finding| (count > 0).then_some(finding);
+        all.extend(some(self.unplaced, Finding::Unplaced { scans: self.unplaced }));
+        all.extend(some(zero, Finding::ZeroDisparities { count: zero, beams }));
+        all.extend(some(infinite, Finding::InfiniteDisparities { count: infinite }));
+        all.extend(some(large, Finding::LargeDisparities { count: large, beams, most_px: self.max_disparity_px }));
+        if self.scans >= LEAST_FOR_ONE_BEAM && self.scans == beams {
+            all.push(Finding::OneBeam { scans: self.scans });
+        }
+        all.extend(self.noted.iter().cloned());
+        all.sort_by_key(|finding| !finding.is_warning());
+        all
+    }
+
+    pub(crate) fn stray(&mut self, stray: Stray) {
+        self.strays += 1;
+        self.first_stray.get_or_insert(stray);
+    }
+
+    pub(crate) fn step_back(&mut self, line: u64, by_s: f64) {
+        self.steps_back += 1;
+        if self.largest_step_back.is_none_or(|largest| by_s > largest.by_s) {
+            self.largest_step_back = Some(StepBack { line, by_s });
+        }
+    }
+
+    pub(crate) fn in_gap(&mut self, gap: Gap) {
+        self.in_gaps += 1;
+        if self.longest_gap.is_none_or(|longest| gap.long_s > longest.long_s) {
+            self.longest_gap = Some(gap);
+        }
+    }
+
+    pub(crate) fn fan(&mut self, sensor: usize, name: &str, found: FanReport) {
+        let of_sensor = self.sensors.entry(sensor).or_default();
+        if of_sensor.name.is_empty() {
+            name.clone_into(&mut of_sensor.name);
+        }
+        let fans = &mut of_sensor.fans;
+        if fans.len() < MOST_FANS && fans.iter().all(|fan| (fan.beams, fan.fan) != (found.beams, found.fan)) {
+            fans.push(found);
+        }
     }
 
     pub(crate) fn skip(&mut self, name: &str) {
@@ -95,6 +268,28 @@ impl Report {
     }
 }
 
+/// Fewer scans of one beam each tell nothing.
+const LEAST_FOR_ONE_BEAM: u64 = 100;
+
+fn sensor_findings(sensor: &SensorReport) -> Vec<Finding> {
+    let SensorReport { name, scans, odometry_poses, fans } = sensor;
+    let mut all = Vec::new();
+    for FanReport { line, beams, fan, source, fits } in fans.iter().copied() {
+        let sensor = name.clone();
+        match source {
+            FanSource::UsualNumber | FanSource::Number => {
+                all.push(Finding::GuessedFan { sensor, line, beams, fan, usual: source == FanSource::UsualNumber });
+            }
+            FanSource::Log if !fits => all.push(Finding::UnevenFan { sensor, line, beams, fan }),
+            FanSource::Log | FanSource::Options => {}
+        }
+    }
+    if *scans > 1 && odometry_poses == scans {
+        all.push(Finding::OdometryPoses { sensor: name.clone(), scans: *scans });
+    }
+    all
+}
+
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [first, last] = self.span_s.unwrap_or_default();
@@ -102,6 +297,9 @@ impl fmt::Display for Report {
         for (count, what) in [
             (self.outside_window, "outside the time window"),
             (self.outside_trajectory, "outside the trajectory"),
+            (self.in_gaps, "in gaps of the trajectory"),
+            (self.unplaced, "without odometry"),
+            (self.strays, "far from all others"),
             (self.thinned, "thinned out"),
             (self.steps_back, "back in time"),
         ] {
@@ -120,6 +318,9 @@ impl fmt::Display for Report {
         if !self.skipped.is_empty() {
             let names: Vec<_> = self.skipped.iter().map(|(name, count)| format!("{name} {count}")).collect();
             write!(f, "\nskipped: {}", names.join(", "))?;
+        }
+        for finding in self.findings() {
+            write!(f, "\n{}{finding}", if finding.is_warning() { "warning: " } else { "" })?;
         }
         write!(f, "\n{} damaged lines", self.damaged)?;
         self.problems.iter().try_for_each(|problem| write!(f, "\n  line {}: {}", problem.line, problem.reason))

@@ -1,30 +1,53 @@
-//! Trajectories in the TUM format, which give the poses of a log anew.
+//! Trajectories, which give the poses of a log anew.
+//!
+//! A line is a pose: `time x y z qx qy qz qw` (the TUM format), separated by blanks, commas or semicolons; more fields behind are allowed
+//! where the first line names the columns, as in the ground truth of EuRoC. Blank lines and `#` comments are skipped. z, roll and
+//! pitch are left out. Read as well, each with a [`Finding`]:
+//!
+//! | what | how it is told |
+//! |---|---|
+//! | times in ns, us or ms | named in the first line; else times beyond the year 5138 in s, or whole numbers that are that far apart |
+//! | quaternions in the order w x y z | named in the first line; else the body would be tilted, or would roll instead of turning |
+//! | quaternions of few digits | norms within 0.05 of 1 are normalised |
+//! | poses that are not in order | sorted, unless the path then goes to and fro |
+//! | poses that come twice | used once, if they are the same |
+//! | poses far from those around them | left out, if they are few |
 
-use std::f64::consts::TAU;
+mod clock;
+mod head;
+mod orientation;
+mod rows;
+
+use std::collections::VecDeque;
 use std::io::Read;
 use std::path::Path;
 
 use sensor::Pose;
 
-use crate::carmen::{FAR_M, LATE_S};
+use self::head::{Names, is_head};
+use self::rows::Row;
 use crate::error::LogError;
-use crate::fields::Fields;
-use crate::lines::{Line, Lines};
-use crate::{LONGEST_LINE, log, source};
+use crate::finding::Finding;
+use crate::frames::{between, distance_m};
+use crate::lines::{LONGEST_LINE, Line, Lines};
+use crate::report::Gap;
+use crate::source;
+use crate::strays::near;
 
-/// More poses are taken for a mistake: these need 320 MB.
-const MOST_POSES: usize = 10_000_000;
+/// More poses are taken for a mistake: these need 500 MB.
+const MOST_POSES: usize = 5_000_000;
 
-/// The norm of a quaternion may differ from 1 by this; files round to four digits or more.
-const NORM_TOLERANCE: f64 = 1e-3;
+/// So many poses far from those around them are left out; more are another place.
+const MOST_STRAYS: usize = 9;
 
-/// What is tilted by more than 45 degrees has no heading: the z axis of a robot points up, that of a camera forward.
-const LEAST_UPRIGHT: f64 = 0.707;
+/// At the time of a pose, s, there is no gap.
+const AT_STAMP_S: f64 = 1e-3;
 
 /// Poses with times, in order: `time x y z qx qy qz qw` in s and m, as SLAM programs write them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trajectory {
     stamps: Vec<(f64, Pose)>,
+    findings: Vec<Finding>,
 }
 
 /// Whose poses a trajectory has.
@@ -38,40 +61,75 @@ pub enum Body {
     Robot,
 }
 
+/// What a trajectory says of a time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum At {
+    /// The pose.
+    Pose(Pose),
+    /// The poses before and after are too far apart.
+    Gap(Gap),
+    /// Before the first pose or after the last.
+    Outside,
+}
+
 impl Trajectory {
-    /// Reads a file, plain or gzip.
+    /// Reads a file, plain, gzip or bzip2.
     ///
     /// # Errors
     /// As [`read`](Self::read); a file that cannot be opened.
     pub fn open(path: &Path) -> Result<Self, LogError> {
-        Self::read(log::file(path)?, &path.display().to_string())
+        Self::read(source::file(path, false)?, &path.display().to_string())
     }
 
-    /// Reads a trajectory; `place` names it in messages. Blank lines and `#` comments are skipped. z, roll and pitch are left out.
+    /// Reads a trajectory; `place` names it in messages.
     ///
     /// # Errors
-    /// The first line that is not eight numbers within their bounds, whose quaternion has not the norm 1, that is tilted by more
-    /// than 45 degrees, or whose time is not after the one before; no pose at all; more than ten million.
+    /// The first line that is not eight numbers within their bounds, whose quaternion has not the norm 1, or that is tilted by more
+    /// than 45 degrees; a time that comes twice with different poses; two runs in one; no pose at all; more than five million.
     pub fn read(source: impl Read + Send, place: &str) -> Result<Self, LogError> {
         let interrupted = |line, source| LogError::Interrupted { place: place.to_owned(), line, source };
-        let mut lines = Lines::new(source::text(source).map_err(|error| interrupted(0, error))?);
-        let mut stamps: Vec<(f64, Pose)> = Vec::new();
+        let refused = |line, reason| LogError::Trajectory { place: place.to_owned(), line, reason };
+        let mut lines = Lines::new(source::text(source, place)?);
+        let mut rows: Vec<Row> = Vec::new();
+        let mut names = Names::default();
+        let mut named = false;
         loop {
-            let before = lines.number();
-            let refuse = |reason| LogError::Trajectory { place: place.to_owned(), line: before + 1, reason };
-            match lines.next().map_err(|error| interrupted(before, error))? {
-                None if stamps.is_empty() => {
-                    return Err(refuse("no pose; give lines of time x y z qx qy qz qw".to_owned()));
+            let line = lines.number() + 1;
+            match lines.next().map_err(|error| interrupted(line - 1, error))? {
+                None if rows.is_empty() => {
+                    return Err(refused(line, "no pose; give lines of time x y z qx qy qz qw".to_owned()));
                 }
-                None => return Ok(Self { stamps }),
-                Some((_, Line::TooLong)) => return Err(refuse(format!("is longer than {LONGEST_LINE} bytes"))),
-                Some((_, Line::Text(text))) if matches!(text.trim_ascii(), [] | [b'#', ..]) => {}
-                Some((_, Line::Text(_))) if stamps.len() == MOST_POSES => {
-                    return Err(refuse(format!("more than {MOST_POSES} poses; thin them out")));
-                }
-                Some((_, Line::Text(text))) => stamps.push(stamp(text, stamps.last()).map_err(refuse)?),
+                None => break,
+                Some((_, Line::TooLong)) => return Err(refused(line, format!("is longer than {LONGEST_LINE} bytes"))),
+                Some((_, Line::Text(text))) => match text.trim_ascii() {
+                    [] => {}
+                    line if line[0] == b'#' || rows.is_empty() && !named && is_head(line) => {
+                        if rows.is_empty() && !named {
+                            names = head::names(line);
+                            named = names != Names::default() || line[0] != b'#';
+                        }
+                    }
+                    _ if rows.len() == MOST_POSES => {
+                        return Err(refused(line, format!("more than {MOST_POSES} poses; thin them out")));
+                    }
+                    text => rows.push(rows::row(text, line, named).map_err(|reason| refused(line, reason))?),
+                },
             }
         }
+        Self::of(rows, names).map_err(|(line, reason)| refused(line, reason))
+    }
+
+    fn of(mut rows: Vec<Row>, names: Names) -> Result<Self, (u64, String)> {
+        let mut findings = Vec::new();
+        let order = orientation::order(&rows, names.order, &mut findings);
+        clock::ordered(&mut rows, names.unit, &mut findings)?;
+        let mut stamps = Vec::with_capacity(rows.len());
+        for row in &rows {
+            let theta_rad = orientation::upright(row, order).map_err(|reason| (row.line, reason))?;
+            stamps.push((row.time, Pose { x_m: row.at_m[0], y_m: row.at_m[1], theta_rad }));
+        }
+        leave_out_strays(&mut stamps, &rows, &mut findings);
+        Ok(Self { stamps, findings })
     }
 
     /// First and last time, s.
@@ -79,66 +137,73 @@ impl Trajectory {
         [self.stamps[0].0, self.stamps[self.stamps.len() - 1].0]
     }
 
+    /// What is to be known of it.
+    pub fn findings(&self) -> &[Finding] {
+        &self.findings
+    }
+
     /// The pose at this time (s), between the two nearest: along a line, and by the shorter turn. None outside
-    /// [`span_s`](Self::span_s). O(log poses).
+    /// [`span_s`](Self::span_s). Bridges gaps of any length. O(log poses).
     pub fn pose(&self, time_s: f64) -> Option<Pose> {
+        match self.at(time_s, f64::INFINITY) {
+            At::Pose(pose) => Some(pose),
+            At::Gap(_) | At::Outside => None,
+        }
+    }
+
+    /// As [`pose`](Self::pose), unless the two nearest poses are more than `max_gap_s` (s) apart; at the times of the poses themselves
+    /// there is no gap.
+    pub fn at(&self, time_s: f64, max_gap_s: f64) -> At {
         let after = self.stamps.partition_point(|(stamp, _)| *stamp <= time_s);
-        let (before_s, before) = *self.stamps.get(after.checked_sub(1)?)?;
-        let Some(&(after_s, after)) = self.stamps.get(after) else {
-            return (time_s <= before_s).then_some(before);
+        let Some(&(before_s, before)) = after.checked_sub(1).and_then(|k| self.stamps.get(k)) else {
+            return At::Outside;
         };
-        let share = (time_s - before_s) / (after_s - before_s);
-        let turn_rad = libm::remainder(after.theta_rad - before.theta_rad, TAU);
-        Some(Pose {
-            x_m: before.x_m + share * (after.x_m - before.x_m),
-            y_m: before.y_m + share * (after.y_m - before.y_m),
-            theta_rad: libm::remainder(before.theta_rad + share * turn_rad, TAU),
-        })
+        let Some(&(after_s, after)) = self.stamps.get(after) else {
+            return if time_s <= before_s { At::Pose(before) } else { At::Outside };
+        };
+        let long_s = after_s - before_s;
+        if long_s > max_gap_s + AT_STAMP_S {
+            return match (time_s - before_s, after_s - time_s) {
+                (since, _) if since <= AT_STAMP_S => At::Pose(before),
+                (_, until) if until <= AT_STAMP_S => At::Pose(after),
+                _ => At::Gap(Gap { from_s: before_s, long_s }),
+            };
+        }
+        At::Pose(between(before, after, (time_s - before_s) / long_s))
     }
 }
 
-/// Where something stands that is mounted so on what stands at `body`.
-pub(crate) fn mounted(body: Pose, mount: Pose) -> Pose {
-    let (sin, cos) = libm::sincos(body.theta_rad);
-    Pose {
-        x_m: body.x_m + cos * mount.x_m - sin * mount.y_m,
-        y_m: body.y_m + sin * mount.x_m + cos * mount.y_m,
-        theta_rad: body.theta_rad + mount.theta_rad,
+/// Leaves out groups of few poses far from those before and behind them.
+fn leave_out_strays(stamps: &mut Vec<(f64, Pose)>, rows: &[Row], findings: &mut Vec<Finding>) {
+    // Groups of neighbours that are near each other: first and last.
+    let place = |k: usize| (stamps[k].1, stamps[k].0);
+    let mut groups: Vec<[usize; 2]> = vec![[0, 0]];
+    for k in 1..stamps.len() {
+        match groups.last_mut() {
+            Some([_, last]) if near(place(*last), place(k)) => *last = k,
+            _ => groups.push([k, k]),
+        }
     }
-}
-
-fn stamp(text: &[u8], before: Option<&(f64, Pose)>) -> Result<(f64, Pose), String> {
-    let mut fields = Fields::by_blanks(text);
-    if fields.left() != 8 {
-        return Err(format!("{} fields; must be 8: time x y z qx qy qz qw", fields.left()));
+    let size = |[first, last]: &[usize; 2]| last - first + 1;
+    let few: usize = groups.iter().filter(|group| size(group) <= MOST_STRAYS).map(size).sum();
+    if groups.len() == 1 || few == stamps.len() || 10 * few > stamps.len() {
+        return;
     }
-    let time_s = fields.number("time", LATE_S)?;
-    if let Some((last_s, _)) = before.filter(|(last_s, _)| time_s <= *last_s) {
-        return Err(format!("time {time_s} s: must be after {last_s} s, the time before; sort the poses"));
-    }
-    let [x_m, y_m] = [fields.number("x", FAR_M)?, fields.number("y", FAR_M)?];
-    fields.number("z", FAR_M)?;
-    let [x, y, z, w] =
-        [fields.number("qx", 2.0)?, fields.number("qy", 2.0)?, fields.number("qz", 2.0)?, fields.number("qw", 2.0)?];
-    let norm = libm::sqrt(x * x + y * y + z * z + w * w);
-    if (norm - 1.0).abs() > NORM_TOLERANCE {
-        let bound = format!("1 to within {NORM_TOLERANCE}; is the order qx qy qz qw?");
-        return Err(format!("quaternion of norm {norm:.4}: must be {bound}"));
-    }
-    let upright = 1.0 - 2.0 * (x * x + y * y);
-    if upright < LEAST_UPRIGHT {
-        let tilt = libm::acos(upright.clamp(-1.0, 1.0)).to_degrees();
-        return Err(format!(
-            "tilted by {tilt:.0} degrees: must be at most 45; give poses whose z axis points up, not a camera's"
-        ));
-    }
-    let theta_rad = libm::atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z));
-    Ok((time_s, Pose { x_m, y_m, theta_rad }))
+    let strays: VecDeque<[usize; 2]> = groups.into_iter().filter(|group| size(group) <= MOST_STRAYS).collect();
+    let Some(&[first, _]) = strays.front() else { return };
+    let beside = if first > 0 { first - 1 } else { strays[0][1] + 1 };
+    let away_m = distance_m(stamps[first].1, stamps[beside].1);
+    findings.push(Finding::TrajectoryStrays { count: few as u64, line: rows[first].line, away_m });
+    let mut k = 0;
+    stamps.retain(|_| {
+        k += 1;
+        !strays.iter().any(|[first, last]| (*first..=*last).contains(&(k - 1)))
+    });
 }
 
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::PI;
+    use std::f64::consts::{PI, TAU};
 
     use super::*;
     use proptest::prelude::*;
@@ -188,9 +253,16 @@ mod tests {
             (format!("{fine}2 0 0 0 0 0 1"), "a.tum:2: 7 fields; must be 8"),
             (format!("{fine}2 0 0 0 0 0 0 x"), "a.tum:2: field 8, qw: \"x\" is no number"),
             (format!("{fine}2 nan 0 0 0 0 0 1"), "a.tum:2: field 2, x: \"nan\" must be"),
-            (format!("{fine}1 0 0 0 0 0 0 1"), "a.tum:2: time 1 s: must be after 1 s"),
-            (format!("{fine}\n0.5 0 0 0 0 0 0 1"), "a.tum:3: time 0.5 s: must be after 1 s"),
-            ("1 0 0 0 0 0 0 0.99".to_owned(), "quaternion of norm 0.9900: must be 1 to within 0.001"),
+            (
+                format!("{fine}1 0.5 0 0 0 0 0 1"),
+                "a.tum:2: time 1 s: is there twice with different poses, first in line 1",
+            ),
+            ("1 0 0 0 0 0 0 0.94".to_owned(), "quaternion of norm 0.9400: must be 1 to within 0.05"),
+            ("1 0 0 8 0 1 0 8 0 0 1 0".to_owned(), "a matrix, as in the format of KITTI"),
+            (
+                "1 0 0 0.5".to_owned(),
+                "4 fields; must be 8: time x y z qx qy qz qw: heights and quaternions are missing",
+            ),
             ("1 0 0 0 0 0 0 0".to_owned(), "quaternion of norm 0.0000"),
             ("1 0 0 0 -0.5 0.5 -0.5 0.5".to_owned(), "tilted by 90 degrees"),
         ] {
@@ -207,17 +279,6 @@ mod tests {
             let found = read(&tum(5.0, pose)).expect("fine").pose(5.0).expect("within");
             prop_assert_eq!(Pose { theta_rad, ..found }, pose);
             prop_assert!((found.theta_rad - theta_rad).abs() < 1e-12);
-        }
-
-        #[test]
-        fn a_mount_is_undone_by_its_inverse(x in -9.0..9.0, y in -9.0..9.0, theta in -3.0..3.0, dx in -1.0..1.0, turn in -3.0..3.0) {
-            let body = Pose { x_m: x, y_m: y, theta_rad: theta };
-            let mount = Pose { x_m: dx, y_m: 0.2, theta_rad: turn };
-            let sensor = mounted(body, mount);
-            // By complex numbers, the slow way.
-            let (sin, cos) = libm::sincos(-theta);
-            let [px, py] = [sensor.x_m - x, sensor.y_m - y];
-            prop_assert!((px * cos - py * sin - dx).abs() < 1e-9 && (px * sin + py * cos - 0.2).abs() < 1e-9);
         }
 
         #[test]

@@ -37,7 +37,7 @@ fn drive() -> Vec<Scan> {
         time_s: 5.0 + f64::from(k),
         pose: Pose { x_m: f64::from(k), y_m: 0.5, theta_rad: 0.25 },
         bearings_rad: vec![-0.5, 0.0, 0.5],
-        readings: vec![Some(12.0 + f64::from(k)), None, Some(0.0)],
+        readings: vec![Some(12.0 + f64::from(k)), None, Some(0.25)],
     };
     (0..20).map(scan).collect()
 }
@@ -70,7 +70,8 @@ fn laser_scans() {
 
 #[test]
 fn a_trajectory_gives_the_poses_of_a_timed_table() {
-    let trajectory = Trajectory::read(&b"6 3 4 0 0 0 0 1\n8 5 4 0 0 0 0 1"[..], "a.tum").expect("fine");
+    let trajectory =
+        Trajectory::read(&b"6 3 4 0 0 0 0 1\n7 4 4 0 0 0 0 1\n8 5 4 0 0 0 0 1"[..], "a.tum").expect("fine");
     let text = stereo(&drive());
     let mut log = Log::table(text.as_bytes(), "a.csv", &Options::default()).expect("fine");
     log = log.along(trajectory, Body::Robot).expect("timed");
@@ -99,16 +100,16 @@ fn a_wrong_head_is_refused_with_its_line() {
     let message = read("\nscan,x_m,y_m,theta_rad,range_m\n", &Options::default()).expect_err("head").to_string();
     assert!(message.starts_with("a.csv:2: column bearing_rad: is missing"), "{message}");
     let no_table = Log::table(&b"FLASER 1 2"[..], "a", &Options::default()).err().expect("a log").to_string();
-    assert!(no_table.starts_with("a:1: column scan: is missing"), "{no_table}");
+    assert!(no_table.starts_with("a:1: columns scan, x_m, y_m, theta_rad, bearing_rad: are missing"), "{no_table}");
     let empty = read(format!("{LASER}\n"), &Options::default()).expect_err("no rows").to_string();
     assert!(empty.contains("no scan in 1 lines"), "{empty}");
 }
 
 #[test]
 fn scans_out_of_order_are_reported() {
-    let text = format!("{LASER}\n3,0,0,0,0,1\n2,0,0,0,0,1\n3,0,0,0,0,1\n");
-    let (scans, report, _) = read(text, &Options::default()).expect("fine");
-    assert_eq!((scans.len(), report.steps_back), (3, 1));
+    let rows = [0, 1, 2, 3, 5, 4, 6].map(|k| format!("{k},0,0,0,0,1\n{k},0,0,0,0.1,1\n"));
+    let (scans, report, _) = read(format!("{LASER}\n{}", rows.concat()), &Options::default()).expect("fine");
+    assert_eq!((scans.len(), report.steps_back), (7, 1));
 }
 
 #[test]

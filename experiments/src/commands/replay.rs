@@ -26,6 +26,7 @@ use crate::output::args::Format;
 use crate::output::folder::{Purpose, Staging};
 use crate::output::note;
 use crate::worlds::mappers::entries;
+use crate::worlds::reading;
 
 /// Maps a log and scores the maps by the scans that were kept back.
 ///
@@ -39,13 +40,15 @@ pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
     threads::limit(options.threads.count)?;
     let sensor = options.sensor(recording.scans()?.sensor())?;
     let survey = Survey::of(&recording, options.reach, &*sensor)?;
+    reading::tell(&recording.place(), &survey.report);
     if survey.kept == 0 {
+        let left_out: Vec<String> =
+            outputs::left_out(&survey.report).into_iter().map(|(what, count)| format!("{count} {what}")).collect();
         return Err(Failure::BadInput(format!(
-            "{}: none of its {} scans is in use: {} lie outside --window, {} outside --trajectory; give another one",
+            "{}: none of its {} scans is in use: {}; give another window, trajectory or gap",
             recording.place(),
             survey.report.scans,
-            survey.report.outside_window,
-            survey.report.outside_trajectory
+            left_out.join(", ")
         )));
     }
     if survey.kept <= options.hold_out {

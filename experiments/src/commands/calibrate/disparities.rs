@@ -13,6 +13,9 @@ use crate::figures;
 /// Standard normal density at 0.
 const AT_ZERO: f64 = 0.398_942_280_401_432_7;
 
+/// Disparities reach so far, px: 256 times those of a wide image.
+const MOST_PX: f64 = 1e6;
+
 /// A disparity, and what it should have been.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Match {
@@ -23,8 +26,21 @@ pub(super) struct Match {
     consistent: Option<bool>,
 }
 
+/// Disparities of a file, and how many were no match.
+pub(super) struct Table {
+    matches: Vec<Match>,
+    /// Rows without a match: empty, NaN, negative, infinite; 0, where more than a few are so.
+    no_match: usize,
+}
+
+/// More than this share of disparities of exactly 0 are a code for no match. Some are false matches at the end of the search.
+const ZEROS: f64 = 0.05;
+
+/// Scales that matchers write: sixteenths of a pixel (OpenCV), 256ths (KITTI).
+const SCALES: [f64; 2] = [16.0, 256.0];
+
 /// Reads the matches of a file; none where the file is no such table.
-pub(super) fn load(path: &Path) -> Result<Option<Vec<Match>>, Failure> {
+pub(super) fn load(path: &Path) -> Result<Option<Table>, Failure> {
     let place = path.display();
     let bad = |what: String| Failure::BadInput(format!("{place}{what}"));
     if path.is_dir() {
@@ -37,16 +53,16 @@ pub(super) fn load(path: &Path) -> Result<Option<Vec<Match>>, Failure> {
     let column = |name: &str| heads.iter().position(|head| head.trim_start_matches('\u{feff}') == name);
     let (Some(read), Some(truth)) = (column("disparity_px"), column("true_disparity_px")) else { return Ok(None) };
     let (row, consistent) = (column("row"), column("left_right_consistent"));
-    let mut matches = Vec::new();
+    let (mut matches, mut no_match) = (Vec::new(), 0);
     for record in table.into_records() {
         let record = record.map_err(|error| bad(format!(": {error}; every row has as many fields as the head")))?;
         let line = record.position().map_or(0, csv::Position::line);
         let number = |k: usize| -> Result<f64, Failure> {
             let (text, name) = (&record[k], &heads[k]);
-            let value = text.parse().ok().filter(|value: &f64| (0.0..=1e5).contains(value));
+            let value = text.parse().ok().filter(|value: &f64| (0.0..=MOST_PX).contains(value));
             value.ok_or_else(|| {
                 bad(format!(
-                    ":{line}: {name} = {text:?}: must be a disparity in px, 0 to 100000; leave rows without one out"
+                    ":{line}: {name} = {text:?}: must be a disparity in px, 0 to 1000000; leave rows without one out"
                 ))
             })
         };
@@ -57,14 +73,43 @@ pub(super) fn load(path: &Path) -> Result<Option<Vec<Match>>, Failure> {
             Some(other) => return Err(bad(format!(":{line}: left_right_consistent = {other:?}: must be 0 or 1"))),
         };
         let row = row.and_then(|k| record[k].parse().ok()).unwrap_or(line);
+        let text = &record[read];
+        if text.is_empty() || text.parse().is_ok_and(|value: f64| !(0.0..=f64::MAX).contains(&value)) {
+            no_match += 1;
+            continue;
+        }
         matches.push(Match { row, read_px: number(read)?, true_px: number(truth)?, consistent });
     }
-    Ok(Some(matches))
+    let zeros = matches.iter().filter(|m| m.read_px <= 0.0).count();
+    if zeros as f64 > ZEROS * matches.len() as f64 {
+        matches.retain(|m| m.read_px > 0.0);
+        no_match += zeros;
+    }
+    check_scale(&matches).map_err(|what| bad(format!(": {what}")))?;
+    Ok(Some(Table { matches, no_match }))
+}
+
+/// Refuses disparities that are a multiple of their truth in the median.
+fn check_scale(matches: &[Match]) -> Result<(), String> {
+    let mut ratios: Vec<f64> = matches.iter().filter(|m| m.true_px > 0.0).map(|m| m.read_px / m.true_px).collect();
+    if ratios.is_empty() {
+        return Ok(());
+    }
+    let middle = ratios.len() / 2;
+    let median = *ratios.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let Some(scale) = SCALES.into_iter().find(|scale| (0.8..1.25).contains(&(median / scale))) else { return Ok(()) };
+    let who = if scale < 100.0 {
+        "sixteenths of a pixel, as OpenCV writes them"
+    } else {
+        "256ths of a pixel, as KITTI has them"
+    };
+    Err(format!("disparity_px is {scale} times true_disparity_px in the median ({who}): divide it by {scale}"))
 }
 
 /// Fits the kernel.
-pub(super) fn calibrate(matches: &[Match], options: &CalibrateOptions) -> Result<Calibration, Failure> {
+pub(super) fn calibrate(table: &Table, options: &CalibrateOptions) -> Result<Calibration, Failure> {
     let place = options.file.display();
+    let Table { matches, no_match } = table;
     if options.consistent && matches.iter().any(|m| m.consistent.is_none()) {
         let what = "--consistent: needs a column left_right_consistent; leave it out, or run the check";
         return Err(Failure::BadInput(format!("{place}: {what}")));
@@ -111,6 +156,11 @@ pub(super) fn calibrate(matches: &[Match], options: &CalibrateOptions) -> Result
     if fit.found[2].interval.excludes_zero() {
         notes.push(format!(
             "correct disparities are {offset:+.3} px off on average: subtract that, or sigma must hold it"
+        ));
+    }
+    if *no_match > 0 {
+        notes.push(format!(
+            "{no_match} rows without a match (empty, NaN, negative, infinite, or 0 where many are) were left out"
         ));
     }
     if used.iter().filter(|m| m.read_px.fract() == 0.0).count() * 2 > used.len() {

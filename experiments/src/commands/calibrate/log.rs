@@ -13,6 +13,7 @@ use super::options::CalibrateOptions;
 use super::outputs;
 use super::search::{self, Fit, Losses, Parameter, Scale};
 use crate::failure::Failure;
+use crate::worlds::reading;
 
 /// What lies around the outermost poses and usual readings, m.
 const MARGIN_M: f64 = 0.5;
@@ -53,7 +54,12 @@ pub(super) fn calibrate(options: &CalibrateOptions) -> Result<Calibration, Failu
 /// The scans that are fitted, and what took them.
 fn read(options: &CalibrateOptions) -> Result<(Vec<Scan>, Sensor), Failure> {
     let refused = |error: logs::LogError| Failure::BadInput(error.to_string());
-    let reading = logs::Options { max_range_m: options.max_range, ..logs::Options::default() };
+    let reading = logs::Options {
+        max_range_m: options.max_range,
+        max_disparity_px: Some(options.max_disparity.unwrap_or(Stereo::default().max_disparity)),
+        fan: options.fan.fan(),
+        ..logs::Options::default()
+    };
     let open = || Log::open(&options.file, &reading).map_err(refused);
     let mut all = 0;
     for scan in open()? {
@@ -69,6 +75,7 @@ fn read(options: &CalibrateOptions) -> Result<(Vec<Scan>, Sensor), Failure> {
             scans.push(thinned(&scan, options.beams as usize));
         }
     }
+    reading::tell(&options.file.display().to_string(), log.report());
     if scans.len() < 20 {
         let what =
             format!("{} scans are too few to predict some from the others; give a log of 20 or more", scans.len());

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::output::args::{FormatOption, ThreadsOption, count, positive};
+use crate::worlds::reading::FanArgs;
 
 /// Options of `calibrate`.
 #[derive(Debug, Args)]
@@ -34,6 +35,9 @@ pub struct CalibrateOptions {
     /// Of a log of a laser: readings from this on are no echo, m [default: what the log says, else 80]
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive)]
     pub max_range: Option<f64>,
+    /// Where the beams go
+    #[command(flatten)]
+    pub fan: FanArgs,
     /// Folder for the table, the picture and the record, written whole or not at all
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

@@ -106,12 +106,20 @@ impl Survey {
         if grid.cells() > MOST_CELLS {
             return Err(refuse(format!(
                 "the map of {} has {} cells of {cell_m} m, more than {MOST_CELLS}; use larger cells (--grid), a shorter --reach, or \
-                 a part of the log (--window); or the poses are not in m",
+                 a part of the log (--window); or the poses are not in m{}",
                 extent(),
                 grid.cells(),
+                self.longest(),
             )));
         }
         Ok(grid)
+    }
+
+    /// The longest move, which may be what makes the map large.
+    fn longest(&self) -> String {
+        self.report.motion.longest.map_or_else(String::new, |step| {
+            format!("; the longest move between two scans is {:.1} m, to line {}", step.move_m, step.line)
+        })
     }
 
     fn include(&mut self, at: [f64; 2]) {

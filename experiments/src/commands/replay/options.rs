@@ -10,6 +10,7 @@ use sensor::{Laser, SensorModel, Stereo};
 use crate::failure::Failure;
 use crate::output::args::{FormatOption, PriorOptions, ThreadsOption, count, positive, probability};
 use crate::output::folder;
+use crate::worlds::reading::FanArgs;
 
 /// A sensor that mappers share.
 pub(super) type Shared = Arc<dyn SensorModel>;
@@ -21,15 +22,18 @@ const MAPPERS: &str = "visibility,conventional,log-odds-octomap,log-odds-cartogr
 #[derive(Debug, Args)]
 #[command(after_long_help = FORMATS)]
 pub struct ReplayOptions {
-    /// CARMEN log or table of scans, plain or gzip; its forms: replay --help
+    /// CARMEN log or table of scans, plain, gzip or bzip2; its forms: replay --help
     #[arg(value_name = "LOG")]
     pub log: PathBuf,
-    /// Poses instead of the log's, in the TUM format (time x y z qx qy qz qw), by the log's own clock
+    /// Poses instead of the log's (time x y z qx qy qz qw, the TUM format), by the log's own clock; other forms: replay --help
     #[arg(long, value_name = "FILE")]
     pub trajectory: Option<PathBuf>,
     /// What the trajectory is of
     #[arg(long, value_enum, default_value_t, requires = "trajectory")]
     pub body: Body,
+    /// Gaps without poses up to this are bridged, s; scans in longer ones are not used
+    #[arg(long, value_name = "S", default_value_t = 1.0, allow_negative_numbers = true, value_parser = positive)]
+    pub max_gap: f64,
     /// Mappers, comma-separated (see `list`)
     #[arg(long, value_name = "A,B", value_delimiter = ',', default_value = MAPPERS)]
     pub mappers: Vec<String>,
@@ -63,6 +67,9 @@ pub struct ReplayOptions {
     /// Share of damaged lines above which the log is refused
     #[arg(long, value_name = "P", default_value_t = 0.05, allow_negative_numbers = true, value_parser = probability)]
     pub damaged_share: f64,
+    /// Where the beams go
+    #[command(flatten)]
+    pub fan: FanArgs,
     /// What the mappers assume before the first reading
     #[command(flatten)]
     pub prior: PriorOptions,
@@ -144,6 +151,9 @@ impl ReplayOptions {
         logs::Options {
             min_range_m: self.min_range.unwrap_or(0.0),
             max_range_m: self.max_range,
+            max_disparity_px: Some(self.stereo.max_disparity),
+            fan: self.fan.fan(),
+            max_gap_s: self.max_gap,
             every: u64::from(self.every),
             window_s: self.window.map(|[from, to]| from..to),
             least_move_m: self.least_move,
@@ -190,9 +200,13 @@ fn stem(log: &Path) -> String {
 }
 
 const FORMATS: &str = "\
-Logs of lasers: CARMEN (FLASER, ROBOTLASER1; other messages are skipped and counted), and tables (CSV) with the columns \
-scan,x_m,y_m,theta_rad,bearing_rad,range_m, and time_s if there are times; range_m is inf where no echo came back, and empty \
-where a beam says nothing. Logs of stereo cameras: such tables with disparity_px, as `room` writes them (scans.csv).
+Logs of lasers: CARMEN (FLASER, RLASER, ROBOTLASER1 to 5, and RAWLASER1 to 5 with poses from ODOM; other messages are skipped and counted), and \
+tables (CSV; also with semicolons, tabs or blanks) with the columns scan,x_m,y_m,theta_rad,bearing_rad,range_m, time_s if there are times, and \
+sensor if there are several; range_m is inf where no echo came back, and empty, NaN, 0 or negative where a beam says nothing. Logs of \
+stereo cameras: such tables with disparity_px, as `room` writes them (scans.csv); no match is empty, NaN, 0, negative, or above --max-disparity.
+
+Trajectories may have times in ns, us or ms, commas, quaternions in the order w x y z (EuRoC), and poses that are not in order: what is \
+taken for what is said.
 
 The score is the mean of -ln P(reading | map) over the readings of scans kept back: nats per reading, lower is better. One \
 model predicts for all maps: the likelihood of the reading over the first occupied cell on its ray under the map's own \

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 
 use grid::Raster;
-use logs::Sensor;
+use logs::{Report, Sensor};
 use mapper::catalogue::{Entry, Setup};
 use score::SeriesMean;
 use serde_json::{Value, json};
@@ -75,7 +75,8 @@ pub(super) fn write(staging: &mut Staging, told: &Told) -> Result<(), Failure> {
     };
     let html = page::page(&page)?;
     staging.write("report.html", |out| out.write_all(html.as_bytes()))?;
-    let parts = json!({ "configuration": configuration, "grid": told.setup.grid });
+    let findings = findings(&told.survey.report);
+    let parts = json!({ "configuration": configuration, "grid": told.setup.grid, "findings": findings });
     staging.record(&Record::new("replay", parts))
 }
 
@@ -123,14 +124,22 @@ fn counts(told: &Told) -> Table {
         ("damaged lines".to_owned(), report.damaged),
     ];
     rows.extend(report.skipped.iter().map(|(name, number)| (format!("messages {name}, skipped"), *number)));
-    let others = [
-        ("scans outside the time window", report.outside_window),
-        ("scans outside the trajectory", report.outside_trajectory),
-        ("scans left out by --every, --least-move, --least-turn", report.thinned),
-        ("steps back in time", report.steps_back),
-    ];
-    rows.extend(others.into_iter().filter(|(_, number)| *number > 0).map(|(what, number)| (what.to_owned(), number)));
+    rows.extend(left_out(report).into_iter().map(|(what, number)| (format!("scans {what}"), number)));
+    rows.extend((report.steps_back > 0).then(|| ("steps back in time".to_owned(), report.steps_back)));
     Table::of(&rows, &[("what", &|row| json!(row.0)), ("number", &|row| json!(row.1))])
+}
+
+/// Why scans are not in use, and how many.
+pub(super) fn left_out(report: &Report) -> Vec<(&'static str, u64)> {
+    let all = [
+        ("outside the time window", report.outside_window),
+        ("outside the trajectory", report.outside_trajectory),
+        ("in gaps without poses", report.in_gaps),
+        ("without odometry", report.unplaced),
+        ("far from all others", report.strays),
+        ("left out by --every, --least-move, --least-turn", report.thinned),
+    ];
+    all.into_iter().filter(|(_, number)| *number > 0).collect()
 }
 
 /// What the maps were made from.
@@ -154,6 +163,8 @@ fn configuration(told: &Told) -> Value {
         "hold_out": options.hold_out,
         "reach_m": survey.reach_m,
         "min_range_m": options.min_range,
+        "max_gap_s": options.max_gap,
+        "fan": {"fov_deg": options.fan.fov, "first_bearing_deg": options.fan.first_bearing, "increment_deg": options.fan.increment},
         "every": options.every,
         "window_s": options.window,
         "least_move_m": options.least_move,
@@ -164,16 +175,47 @@ fn configuration(told: &Told) -> Value {
     })
 }
 
+/// What is to be known of the log, and the largest steps in it.
+fn findings(report: &Report) -> Value {
+    let step = |step: Option<logs::Step>| {
+        step.map(
+            |step| json!({"line": step.line, "move_m": step.move_m, "turn_rad": step.turn_rad, "time_s": step.time_s}),
+        )
+    };
+    let said = |finding: logs::Finding| json!({"warning": finding.is_warning(), "text": finding.to_string()});
+    json!({
+        "said": report.findings().into_iter().map(said).collect::<Vec<_>>(),
+        "longest_move": step(report.motion.longest),
+        "sharpest_turn": step(report.motion.sharpest),
+    })
+}
+
 /// What the terminal shows.
 pub(super) fn text(told: &Told) -> String {
     let Told { survey, predictions, .. } = told;
     let mut text = format!("replay of {}\n{}\n", name(told.options), facts(told).replace("; ", "\n"));
     let report = &survey.report;
+    for (what, step) in [("move", report.motion.longest), ("turn", report.motion.sharpest)] {
+        if let Some(step) = step {
+            let size = match what {
+                "move" => format!("{:.2} m", step.move_m),
+                _ => format!("{:.0} degrees", step.turn_rad.to_degrees()),
+            };
+            let _ =
+                writeln!(text, "largest {what} between scans: {size} within {:.2} s (line {})", step.time_s, step.line);
+        }
+    }
     let _ = writeln!(
         text,
         "{} beams, {} without echo, {} that say nothing",
         report.beams, report.no_returns, report.unusable
     );
+    if report.left_out() > 0 {
+        let _ = writeln!(text, "{} of {} scans are not in use:", report.left_out(), report.scans);
+        left_out(report).into_iter().for_each(|(what, number)| {
+            let _ = writeln!(text, "  {number} {what}");
+        });
+    }
     if report.damaged > 0 {
         let _ = writeln!(text, "{} damaged lines were skipped; the first:", report.damaged);
         report.problems.iter().take(3).for_each(|problem| {

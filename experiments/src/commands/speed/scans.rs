@@ -15,6 +15,10 @@ pub const MOST_CELLS: usize = 25_000_000;
 /// Share of a range that rounding may take from it: its last cell counts as owed only if the ray goes farther into it.
 const ROUNDING: f64 = 1e-9;
 
+/// Cells along a ray after which a mapper may stop: of independent cells that are occupied with probability 0.1, as the prior of
+/// `speed` has them, so many let less than 1e-4 of the ray through. What lies behind changes no map by more than rounding.
+const OPAQUE_CELLS: usize = 87;
+
 /// What the mappers take the readings for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
 pub enum Kernel {
@@ -44,7 +48,8 @@ pub struct ScanSet {
 pub struct Visited {
     /// Four-connected cells, one for every ray that crosses it.
     pub cells: u64,
-    /// Those of them that a ray enters by more than rounding: a mapper that updates fewer has not done its work.
+    /// Those of them that a ray enters by more than rounding, up to where unseen space is opaque: a mapper that updates fewer has not
+    /// done its work.
     pub owed: u64,
     /// Rays with a reading that is a range.
     pub rays: u64,
@@ -146,7 +151,7 @@ impl ScanSet {
             let entered = &line.ranges()[..line.len()];
             let beyond = entered.iter().rev().take_while(|at| **at >= range * (1.0 - ROUNDING)).count();
             visited.cells += line.len() as u64;
-            visited.owed += (line.len() - beyond) as u64;
+            visited.owed += (line.len() - beyond).min(OPAQUE_CELLS) as u64;
             visited.rays += 1;
         }
         visited
@@ -202,6 +207,15 @@ mod tests {
         set.ray(0.0, Some(1.0 + 1e-12));
         let spec = GridSpec { cell_m: 0.25, origin_m: [-1.0; 2], width: 12, height: 8 };
         assert_eq!(set.visited(&spec), Visited { cells: 5, owed: 4, rays: 1 });
+    }
+
+    #[test]
+    fn what_lies_behind_opaque_space_is_not_owed() {
+        let mut set = ScanSet::default();
+        set.begin(Pose { x_m: 0.05, y_m: 0.05, theta_rad: 0.0 });
+        set.ray(0.0, Some(9.0));
+        let spec = GridSpec { cell_m: 0.1, origin_m: [-1.0; 2], width: 120, height: 20 };
+        assert_eq!(set.visited(&spec), Visited { cells: 91, owed: OPAQUE_CELLS as u64, rays: 1 });
     }
 
     #[test]

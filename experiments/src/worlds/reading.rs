@@ -1,0 +1,51 @@
+//! Options for reading a log, and what is to be known of one that was read.
+
+use clap::Args;
+use logs::{FanOptions, Report};
+
+use crate::output::args::number;
+use crate::output::note;
+
+/// Where the beams of a laser go, instead of what its log says or what their number lets guess.
+#[derive(Debug, Clone, Copy, Args)]
+#[command(next_help_heading = "Beams of a laser in a CARMEN log")]
+pub struct FanArgs {
+    /// Field of view, degrees [default: what the log says, else by the number of beams]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = turn)]
+    pub fov: Option<f64>,
+    /// Bearing of the first beam to the laser's axis, degrees counter-clockwise
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = angle)]
+    pub first_bearing: Option<f64>,
+    /// From one beam to the next, degrees; negative from left to right
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = step)]
+    pub increment: Option<f64>,
+}
+
+impl FanArgs {
+    /// In rad.
+    pub(crate) fn fan(&self) -> FanOptions {
+        let [fov_rad, first_rad, step_rad] =
+            [self.fov, self.first_bearing, self.increment].map(|degrees| degrees.map(f64::to_radians));
+        FanOptions { fov_rad, first_rad, step_rad }
+    }
+}
+
+fn turn(text: &str) -> Result<f64, String> {
+    number(text, "of degrees above 0, at most 360", |value| value > 0.0 && value <= 360.0)
+}
+
+fn angle(text: &str) -> Result<f64, String> {
+    number(text, "of degrees from -360 to 360", |value| value.abs() <= 360.0)
+}
+
+fn step(text: &str) -> Result<f64, String> {
+    number(text, "of degrees from -360 to 360, not 0", |value| value.abs() > 0.0 && value.abs() <= 360.0)
+}
+
+/// Prints what is to be known of a log on stderr: warnings and notes.
+pub(crate) fn tell(place: &str, report: &Report) {
+    for finding in report.findings() {
+        let kind = if finding.is_warning() { "warning" } else { "note" };
+        note(format_args!("{kind}: {place}: {finding}"));
+    }
+}
