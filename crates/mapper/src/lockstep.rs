@@ -44,6 +44,9 @@ use crate::{Chain, Lateral, Mapper, PairwiseGrid, Prior, Reconciliation, exact};
 /// Scans of fewer rays are not worth waking other threads for.
 const FEW_RAYS: usize = 1024;
 
+/// A joint that single precision allows may miss the bounds of double precision by a last digit: by no more than this.
+const REPAIRED: f64 = 1e-6;
+
 /// A tile of the map: 12 bytes per cell.
 #[derive(Debug, Clone)]
 struct Tile {
@@ -122,6 +125,10 @@ impl Lockstep {
         Self { lateral: Some((lateral, surfaces)), ..Self::new(&Setup { prior, ..setup.clone() }, true) }
     }
 
+    /// Readings up to which the sums over the rays of a scan are exact: so many, twice in a cell, and 2^-36 are the 53 bits
+    /// of a double. A count has 20 bits.
+    pub const MOST_RAYS: usize = 1 << 16;
+
     fn new(setup: &Setup, continuity: bool) -> Self {
         let numbering = Numbering::new(setup.grid);
         // An unseen pair.
@@ -143,6 +150,9 @@ impl Lockstep {
     }
 
     /// The map in double precision.
+    ///
+    /// # Panics
+    /// If a joint is farther than 1e-6 from what its marginals allow: a defect, never a consequence of the readings.
     pub fn pairs(&self) -> PairwiseGrid {
         let (numbering, spec) = (self.map.numbering, *self.map.numbering.spec());
         let marginal = self.occupancy().clone();
@@ -150,10 +160,15 @@ impl Lockstep {
         for cell in 0..spec.cells() {
             for n in spec.neighbours(cell).filter(|n| n.cell > cell) {
                 let (p, q) = (marginal[cell], marginal[n.cell]);
-                // What is possible in single precision may miss the bounds of double precision by a last digit.
+                if !self.continuity {
+                    both[n.edge] = p * q;
+                    continue;
+                }
                 let (low, high) = bounds(p, q);
-                let joint = f64::from(self.map.both(numbering.of(cell), n.edge % 2)).clamp(low, high);
-                both[n.edge] = if self.continuity { joint } else { p * q };
+                let held = f64::from(self.map.both(numbering.of(cell), n.edge % 2));
+                both[n.edge] = held.clamp(low, high);
+                let repaired = (both[n.edge] - held).abs();
+                assert!(repaired <= REPAIRED, "edge {}: joint {held} is not in {low} ..= {high}", n.edge);
             }
         }
         PairwiseGrid { marginal, both }
@@ -167,8 +182,17 @@ impl Lockstep {
     }
 
     /// Takes a scan's rays on so many threads; the map does not depend on how many.
+    ///
+    /// A scan of more than [`MOST_RAYS`](Self::MOST_RAYS) readings is taken as so many scans as it needs, each of every n-th ray.
     pub fn integrate_on(&mut self, scan: &Scan, threads: usize) {
-        let mut rays: Vec<Ray> = scan.rays().filter(|ray| ray.reading.is_some()).collect();
+        let rays: Vec<Ray> = scan.rays().filter(|ray| ray.reading.is_some()).collect();
+        let passes = rays.len().div_ceil(Self::MOST_RAYS);
+        for pass in 0..passes {
+            self.take(rays.iter().skip(pass).step_by(passes).copied().collect(), threads);
+        }
+    }
+
+    fn take(&mut self, mut rays: Vec<Ray>, threads: usize) {
         if rays.is_empty() || self.map.numbering.spec().locate(rays[0].origin_m).is_none() {
             return;
         }

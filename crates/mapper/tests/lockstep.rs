@@ -108,3 +108,27 @@ fn the_map_does_not_depend_on_the_threads() {
         }
     }
 }
+
+/// More rays than its counters can hold: every second ray makes a scan of its own.
+#[test]
+fn a_scan_of_too_many_rays_is_taken_in_passes() {
+    let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: 30, height: 3 };
+    let setup = Setup::new(grid, Arc::new(Stereo::default()));
+    let rays = Lockstep::MOST_RAYS + 7;
+    let pose = Pose { x_m: 0.01, y_m: 0.07, theta_rad: 0.0 };
+    let bearings_rad: Vec<f64> = (0..rays).map(|k| 1e-7 * k as f64).collect();
+    let readings: Vec<Option<f64>> = (0..rays).map(|k| Some(11.0 + (k % 5) as f64)).collect();
+    let whole = Scan { time_s: 0.0, pose, bearings_rad, readings };
+    let half = |first: usize| {
+        let every = |k: &usize| k % 2 == first;
+        let of = |k: usize| (whole.bearings_rad[k], whole.readings[k]);
+        let (bearings_rad, readings) = (0..rays).filter(every).map(of).unzip();
+        Scan { bearings_rad, readings, ..whole.clone() }
+    };
+    let [mut once, mut twice] = [(); 2].map(|()| Lockstep::visibility(&setup));
+    once.integrate(&whole);
+    [half(0), half(1)].iter().for_each(|scan| twice.integrate(scan));
+    assert_eq!(once.pairs(), twice.pairs());
+    assert!(once.occupancy()[grid.locate([0.5, 0.07]).expect("inside")] < 0.01);
+    assert_eq!(once.work().cells, twice.work().cells);
+}

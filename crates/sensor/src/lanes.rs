@@ -86,7 +86,9 @@ impl Gaussian {
             let middle = each(|l| (0.5 * (near[l] + far[l])) as f32);
             let end = each(|l| far[l] as f32);
             // Of chords that the density does not reach, and of those that begin at the sensor, nothing is needed.
+            let begin = each(|l| near[l] as f32);
             let wide = each(|l| if end[l] < self.reach { width[l] } else { 0.0 });
+            let wide = each(|l| if begin[l] > -self.reach { wide[l] } else { 0.0 });
             let wide = each(|l| if wide[l] < f32::INFINITY { wide[l] } else { 0.0 });
             let long = each(|l| if wide[l] > SHORT { 1.0 } else { 0.0 });
             let mean = if long.iter().sum::<f32>() <= 0.0 {
@@ -103,7 +105,7 @@ impl Gaussian {
     /// Mean densities of chords of which at least one is long.
     #[inline(never)]
     fn long(&self, near: &Lanes<f64>, far: &Lanes<f64>, longest: f32, exact: &impl Fn(f64, f64) -> f64) -> Lanes<f32> {
-        let parts = ((longest / SHORT) as u32 + 1).next_power_of_two().min(MOST_PARTS);
+        let parts = ((longest / SHORT).min(MOST_PARTS as f32) as u32 + 1).next_power_of_two().min(MOST_PARTS);
         let share = 1.0 / f64::from(parts);
         let mut sum = [0.0f32; LANES];
         for part in 0..parts {
@@ -234,7 +236,7 @@ mod tests {
         fn lanes_are_the_rays_one_by_one(
             reading in prop::array::uniform8(0.0f64..60.0), bearing in prop::array::uniform8(-1.2f64..1.2),
             first in prop::array::uniform8(0.0f64..30.0), step in 0.001f64..0.3,
-            sigma in 0.05f64..4.0, correct in 0.05f64..0.99,
+            sigma in (-6.0f64..2.0).prop_map(|power| 10.0f64.powf(power)), correct in 0.05f64..0.99,
         ) {
             let stereo = Stereo { disparity_sigma: sigma, correct_match: correct, ..Stereo::default() };
             let beams = Beams { reading, bearing_rad: bearing };

@@ -343,18 +343,23 @@ mod tests {
 
         #[test]
         fn what_is_clear_or_behind_needs_no_asking(
-            reading in 0.0f64..60.0, w in 0.01f64..2.0, bearing in -1.2f64..1.2, share in 0.0f64..1.0, chord in 0.0f64..0.1,
+            reading in 0.0f64..60.0, w in 0.01f64..2.0, bearing in -1.2f64..1.2, share in 0.0f64..1.0, part in 0.0f64..1.0,
         ) {
+            // Almost as far as the Gaussian of the farthest disparity reaches the bin, and not farther.
             let clear_m = STEREO.clear_until(reading, w, bearing);
-            let (enter, exit) = (share * (clear_m - chord).max(0.0), share * (clear_m - chord).max(0.0) + chord);
-            if exit <= clear_m {
-                prop_assert_eq!(STEREO.placement(reading, w, bearing, enter, exit), Placement::Nearer);
-                prop_assert_eq!(STEREO.bin_probability(reading, w, bearing, enter, exit).to_bits(), 0.0f64.to_bits());
-            }
+            let sigmas = |n: f64| STEREO.range(reading + w + n * STEREO.disparity_sigma, bearing);
+            prop_assert!(sigmas(8.6) < clear_m && clear_m < sigmas(8.5), "{clear_m}");
+            let enter = share * clear_m;
+            let exit = enter + part * (clear_m - enter);
+            prop_assert_eq!(STEREO.placement(reading, w, bearing, enter, exit), Placement::Nearer);
+            prop_assert_eq!(STEREO.bin_probability(reading, w, bearing, enter, exit).to_bits(), 0.0f64.to_bits());
             let behind_m = STEREO.behind_from(reading, w, bearing);
+            prop_assert_eq!(behind_m.is_finite(), reading > w);
             if behind_m.is_finite() {
                 let from = behind_m * (1.0 + 1e-12) + share;
-                prop_assert_eq!(STEREO.placement(reading, w, bearing, from, from + chord), Placement::Behind);
+                prop_assert_eq!(STEREO.placement(reading, w, bearing, from, from + part), Placement::Behind);
+                let before = behind_m * (1.0 - 1e-8);
+                prop_assert_eq!(STEREO.placement(reading, w, bearing, before, before), Placement::Within);
             }
         }
 

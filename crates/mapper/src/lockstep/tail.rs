@@ -194,13 +194,27 @@ mod tests {
             let stereo = Stereo { disparity_sigma: sigma, ..Stereo::default() };
             let beams = Beams { reading, bearing_rad: bearing };
             let lanes: Lanes<Beyond> = std::array::from_fn(|l| Beyond { from_m: from[l], chord_m: chord[l], onset });
-            if let Some(found) = Tail::default().fast(&stereo, &beams, &[true; LANES], &lanes) {
-                for l in 0..LANES {
-                    let expected = beyond::likelihood(&stereo, reading[l], bearing[l], &lanes[l]);
-                    let error = (f64::from(found[l]) / expected - 1.0).abs();
-                    prop_assert!(error < 1e-5, "{error} {:?} reading {} bearing {}", lanes[l], reading[l], bearing[l]);
-                }
+            let found = Tail::default().fast(&stereo, &beams, &[true; LANES], &lanes);
+            // Fails too where fewer than one case in five is fast.
+            prop_assume!(found.is_some());
+            let found = found.expect("just asked");
+            for l in 0..LANES {
+                let expected = beyond::likelihood(&stereo, reading[l], bearing[l], &lanes[l]);
+                let error = (f64::from(found[l]) / expected - 1.0).abs();
+                prop_assert!(error < 1e-5, "{error} {:?} reading {} bearing {}", lanes[l], reading[l], bearing[l]);
             }
+        }
+
+        /// The paper's camera and prior, after a room: always.
+        #[test]
+        fn the_papers_camera_takes_the_integral(
+            reading in prop::array::uniform8(0.0f64..60.0), bearing in prop::array::uniform8(-0.7f64..0.7),
+            from in prop::array::uniform8(1.0f64..12.0), chord in prop::array::uniform8(0.035f64..0.05),
+        ) {
+            let beams = Beams { reading, bearing_rad: bearing };
+            let lanes: Lanes<Beyond> =
+                std::array::from_fn(|l| Beyond { from_m: from[l], chord_m: chord[l], onset: 0.0129 });
+            prop_assert!(Tail::default().fast(&Stereo::default(), &beams, &[true; LANES], &lanes).is_some());
         }
     }
 }

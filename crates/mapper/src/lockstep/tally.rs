@@ -77,7 +77,7 @@ fn split(cell: u32) -> (usize, usize) {
 }
 
 /// The entries of the patches that were touched, a sheet of them for each. Sums are exact, so that they do not depend on
-/// the order of the rays, up to 131,072 rays through a cell.
+/// the order of the rays, up to [`super::Lockstep::MOST_RAYS`].
 pub(super) struct Tally {
     /// Number of every patch's sheet, 0 where it has none.
     numbers: Vec<u32>,
@@ -203,5 +203,33 @@ impl Tally {
     /// Memory held, bytes.
     pub(super) fn bytes(&self) -> usize {
         self.numbers.held() + self.patches.held() + self.entries.held()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Lockstep;
+    use grid::GridSpec;
+    use sensor::lanes::LANES;
+
+    /// As many rays as a scan may have, all through one cell and along one edge: no digit is lost, and no count runs over.
+    #[test]
+    fn sums_of_the_most_rays_are_exact() {
+        let numbering = Numbering::new(GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: 2, height: 1 });
+        let mut tally = Tally::new(numbering);
+        let [p, smallest] = [0.999_999f32, f32::MIN_POSITIVE].map(|p| rounded(&[p; LANES])[0]);
+        let (low, high) = (tally.entry(0), tally.entry(1));
+        for _ in 0..Lockstep::MOST_RAYS - 1 {
+            tally.cell_of(low, 2, p);
+            tally.pair(low, high, 0, p);
+        }
+        tally.cell_of(low, 2, 1.0 / (1u64 << 36) as f64);
+        tally.pair(low, high, 0, smallest);
+        let entry = tally.get(0);
+        let expected = (p * (1u64 << 36) as f64) as u64 * 2 * (Lockstep::MOST_RAYS as u64 - 1) + 2;
+        assert_eq!((entry.occupied * (1u64 << 36) as f64) as u64, expected);
+        assert_eq!((entry.rays(0), entry.rays(1)), (Lockstep::MOST_RAYS as u32, 0));
+        assert_eq!((entry.pairs(), entry.edges()), (2 * Lockstep::MOST_RAYS as u32, RIGHT));
     }
 }

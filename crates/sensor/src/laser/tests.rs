@@ -243,16 +243,22 @@ proptest! {
 
     #[test]
     fn what_is_clear_or_behind_needs_no_asking(
-        (laser, reading) in lasers_and_readings(), w in 0.01f64..2.0, share in 0.0f64..1.0, chord in 0.0f64..0.1,
+        (laser, reading) in lasers_and_readings(), w in 0.01f64..2.0, share in 0.0f64..1.0, part in 0.0f64..1.0,
     ) {
         let clear_m = laser.clear_until(reading, w, 0.0);
-        let enter = share * (clear_m - chord).max(0.0);
-        if enter + chord <= clear_m && clear_m > 0.0 {
-            prop_assert_eq!(laser.placement(reading, w, 0.0, enter, enter + chord), Placement::Nearer);
-            prop_assert_eq!(laser.bin_probability(reading, w, 0.0, enter, enter + chord).to_bits(), 0.0f64.to_bits());
+        let near_m = if reading.is_finite() { reading - w } else { laser.max_range_m };
+        prop_assert!(clear_m >= near_m - 8.6 * laser.range_sigma_m, "{clear_m}: all that could be");
+        if clear_m > 0.0 {
+            let enter = share * clear_m;
+            let exit = enter + part * (clear_m - enter);
+            prop_assert_eq!(laser.placement(reading, w, 0.0, enter, exit), Placement::Nearer);
+            prop_assert_eq!(laser.bin_probability(reading, w, 0.0, enter, exit).to_bits(), 0.0f64.to_bits());
         }
-        let from = laser.behind_from(reading, w, 0.0) * (1.0 + 1e-12) + share;
-        prop_assert_eq!(laser.placement(reading, w, 0.0, from, from + chord), Placement::Behind);
+        let behind_m = laser.behind_from(reading, w, 0.0);
+        let from = behind_m * (1.0 + 1e-12) + share;
+        prop_assert_eq!(laser.placement(reading, w, 0.0, from, from + part), Placement::Behind);
+        let end_m = if reading.is_finite() { reading + w } else { laser.max_range_m };
+        prop_assert!(behind_m <= end_m * (1.0 + 1e-8), "{behind_m}: no farther than need be");
     }
 
     #[test]
