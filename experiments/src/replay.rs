@@ -13,8 +13,8 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use grid::{DigitalLine, GridSpec, Raster};
-use mapper::catalogue::{Entry, Setup};
-use mapper::{Mapper, PairwiseGrid};
+use mapper::catalogue::Entry;
+use mapper::{Mapper, Model, PairwiseGrid};
 use rayon::prelude::*;
 use sensor::{Scan, SensorModel};
 
@@ -62,10 +62,10 @@ pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
         )));
     }
     let grid = survey.grid(options.grid)?;
-    let setup = Setup {
+    let setup = Model {
         prior: options.belief.prior(),
         reconciliation: options.belief.reconciliation(),
-        ..Setup::new(grid, sensor)
+        ..Model::new(grid, sensor)
     };
     let mut staging = Staging::open(&options.out())?;
 
@@ -131,7 +131,7 @@ fn mapped(
     survey: &Survey,
     hold_out: u64,
     entries: &[&'static Entry],
-    setup: &Setup,
+    setup: &Model,
 ) -> Result<Maps, Failure> {
     let progress = Count::scans(survey.kept);
     let mut mappers: Vec<Box<dyn Mapper>> = entries.iter().map(|entry| (entry.build)(setup)).collect();
@@ -140,7 +140,7 @@ fn mapped(
     let mut take = |batch: &mut Vec<Scan>, mappers: &mut [Box<dyn Mapper>]| {
         rayon::join(
             || mappers.par_iter_mut().for_each(|mapper| batch.iter().for_each(|scan| mapper.integrate(scan))),
-            || batch.iter().for_each(|scan| seen.add(scan, &*setup.sensor)),
+            || batch.iter().for_each(|scan| seen.add(scan, &**setup.sensors.of(scan))),
         );
         batch.clear();
     };

@@ -8,7 +8,8 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
-use mapper::catalogue::{Entry, Setup};
+use mapper::Model;
+use mapper::catalogue::Entry;
 use rayon::prelude::*;
 
 use crate::claims::{self, Claim};
@@ -64,7 +65,7 @@ pub fn run(options: &RoomOptions) -> Result<(), Failure> {
 pub(crate) struct Plan {
     pub(crate) ground: Ground,
     pub(crate) mappers: Vec<&'static Entry>,
-    pub(crate) setup: Setup,
+    pub(crate) setup: Model,
     /// Scans after which the report shows the maps.
     pub(crate) frames: Vec<usize>,
 }
@@ -73,10 +74,10 @@ impl Plan {
     pub(crate) fn of(options: &RoomOptions) -> Result<Self, Failure> {
         let mappers = entries(&options.mappers)?;
         let ground = Ground::new(scene::load(&options.scene, options.grid, options.layout)?, options.belief.prior)?;
-        let setup = Setup {
+        let setup = Model {
             prior: options.belief.prior(),
             reconciliation: options.belief.reconciliation(),
-            ..Setup::new(ground.scene.grid, Arc::new(ground.scene.matcher.stereo))
+            ..Model::new(ground.scene.grid, Arc::new(ground.scene.matcher.stereo))
         };
         Ok(Self { frames: report::moments(&ground, report::FRAMES), ground, mappers, setup })
     }
@@ -124,7 +125,7 @@ fn trials(
     ground: &Ground,
     seeds: &[u64],
     mappers: &[&Entry],
-    setup: &Setup,
+    setup: &Model,
     frames: &[usize],
 ) -> Result<Vec<Trial>, Failure> {
     let names: Vec<&str> = mappers.iter().map(|entry| entry.name).collect();

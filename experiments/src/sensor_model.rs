@@ -8,7 +8,7 @@ pub use options::SensorOptions;
 use std::io::{self, Write as _};
 
 use scene::Scene;
-use sensor::{SensorModel as _, Stereo};
+use sensor::{InverseModel as _, Kernel as _, Stereo};
 
 use crate::claims::{self, Claim};
 use crate::cli::Format;

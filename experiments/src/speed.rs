@@ -15,7 +15,7 @@ pub use options::SpeedOptions;
 use std::io::{self, Write as _};
 use std::sync::Arc;
 
-use mapper::catalogue::Setup;
+use mapper::Model;
 use sensor::Stereo;
 
 use self::growth::Sizes;
@@ -87,7 +87,7 @@ pub fn run(options: &SpeedOptions) -> Result<(), Failure> {
 }
 
 /// The map, the belief, and what the scans ask of every mapper.
-fn conditions(options: &SpeedOptions, set: &ScanSet) -> Result<(Setup, Conditions), Failure> {
+fn conditions(options: &SpeedOptions, set: &ScanSet) -> Result<(Model, Conditions), Failure> {
     let source = match &options.scans {
         Some(path) => path.display().to_string(),
         None => "a drive round a hall of 40 m by 40 m with boxes".to_owned(),
@@ -102,7 +102,7 @@ fn conditions(options: &SpeedOptions, set: &ScanSet) -> Result<(Setup, Condition
         )));
     }
     let stereo = Stereo::default();
-    let setup = Setup::new(grid, Arc::new(stereo));
+    let setup = Model::new(grid, Arc::new(stereo));
     let processor = processor::name();
     let conditions = Conditions { source, scans: set.scans.len(), visited, grid, repeats: options.repeats, processor };
     Ok((setup, conditions))

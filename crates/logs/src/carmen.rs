@@ -116,7 +116,14 @@ impl Carmen {
         let bearings_rad = (0..readings.len()).map(|k| fan.first_rad + k as f64 * fan.step_rad).collect();
         let sensor = Sensor::Laser { max_range_m: rule.max_m, beams: readings.len() };
         let unit = check_unit(&mut self.ranges_m);
-        Recorded { scan: Scan { time_s, pose, bearings_rad, readings }, sensor, mount, line, unit, number: None }
+        Recorded {
+            scan: Scan { sensor: 0, time_s, pose, bearings_rad, readings },
+            sensor,
+            mount,
+            line,
+            unit,
+            number: None,
+        }
     }
 
     fn parameter(&mut self, fields: &mut Fields<'_>) -> Result<(), String> {

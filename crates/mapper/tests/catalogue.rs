@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use grid::{GridSpec, Raster};
-use mapper::catalogue::{Entry, Kind, MAPPERS, Setup};
-use mapper::{EPSILON, Mapper, Prior, Reconciliation};
+use mapper::catalogue::{Entry, Kind, MAPPERS};
+use mapper::{EPSILON, Mapper, Model, Prior, Reconciliation};
 use proptest::prelude::*;
 use sensor::{Pose, Scan, Stereo};
 
@@ -13,18 +13,18 @@ const BEARINGS: [f64; 5] = [-0.5, -0.2, 0.0, 0.1, 0.5];
 /// The camera of every scan that must change nothing.
 const INSIDE: Pose = Pose { x_m: 0.02, y_m: 0.03, theta_rad: 0.3 };
 
-fn setup(width: usize, height: usize, occupancy: f64, correlation: f64, reconciliation: Reconciliation) -> Setup {
+fn setup(width: usize, height: usize, occupancy: f64, correlation: f64, reconciliation: Reconciliation) -> Model {
     let grid = GridSpec { cell_m: 0.1, origin_m: [0.0; 2], width, height };
     let prior = Prior { occupancy, correlation, ..Prior::default() };
-    Setup { prior, reconciliation, ..Setup::new(grid, Arc::new(Stereo::default())) }
+    Model { prior, reconciliation, ..Model::new(grid, Arc::new(Stereo::default())) }
 }
 
 fn scan(pose: Pose, readings: Vec<Option<f64>>) -> Scan {
-    Scan { time_s: 0.0, pose, bearings_rad: BEARINGS.to_vec(), readings }
+    Scan { sensor: 0, time_s: 0.0, pose, bearings_rad: BEARINGS.to_vec(), readings }
 }
 
 /// The map after the given scans, settled once at the end.
-fn mapped(entry: &Entry, setup: &Setup, scans: &[Scan]) -> (Box<dyn Mapper>, Raster<f64>) {
+fn mapped(entry: &Entry, setup: &Model, scans: &[Scan]) -> (Box<dyn Mapper>, Raster<f64>) {
     let mut mapper = (entry.build)(setup);
     scans.iter().for_each(|scan| mapper.integrate(scan));
     mapper.settle();

@@ -3,32 +3,32 @@
 use std::sync::Arc;
 
 use grid::GridSpec;
-use mapper::catalogue::{self, Setup};
-use mapper::{EPSILON, Lateral, Lockstep, Mapper, Prior, Reconciliation, Visibility};
+use mapper::catalogue;
+use mapper::{EPSILON, FastVisibility, Lateral, Mapper, Model, Prior, Reconciliation, Visibility};
 use proptest::prelude::*;
 use sensor::{Pose, Scan, Stereo};
 
-fn setup(width: usize, height: usize, prior: Prior, reconciliation: Reconciliation, stereo: Stereo) -> Setup {
+fn setup(width: usize, height: usize, prior: Prior, reconciliation: Reconciliation, stereo: Stereo) -> Model {
     let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width, height };
-    Setup { prior, reconciliation, ..Setup::new(grid, Arc::new(stereo)) }
+    Model { prior, reconciliation, ..Model::new(grid, Arc::new(stereo)) }
 }
 
 fn scan(x_m: f64, y_m: f64, theta_rad: f64, bearings: &[f64], reading: f64) -> Scan {
     let readings = bearings.iter().map(|_| Some(reading)).collect();
-    Scan { time_s: 0.0, pose: Pose { x_m, y_m, theta_rad }, bearings_rad: bearings.to_vec(), readings }
+    Scan { sensor: 0, time_s: 0.0, pose: Pose { x_m, y_m, theta_rad }, bearings_rad: bearings.to_vec(), readings }
 }
 
 /// Every mapper over a pairwise grid: the references, and the fast ones.
-fn mappers(setup: &Setup) -> Vec<(&'static str, Box<dyn Mapper>)> {
+fn mappers(setup: &Model) -> Vec<(&'static str, Box<dyn Mapper>)> {
     let lateral = Lateral::default();
     vec![
         ("exact", Box::new(Visibility::exact(setup)) as Box<dyn Mapper>),
         ("as printed", Box::new(Visibility::as_printed(setup))),
         ("independent", Box::new(Visibility::independent(setup))),
         ("lateral", Box::new(Visibility::lateral(setup, lateral))),
-        ("fast", Box::new(Lockstep::visibility(setup))),
-        ("fast independent", Box::new(Lockstep::independent(setup))),
-        ("fast lateral", Box::new(Lockstep::lateral(setup, lateral))),
+        ("fast", Box::new(FastVisibility::visibility(setup))),
+        ("fast independent", Box::new(FastVisibility::independent(setup))),
+        ("fast lateral", Box::new(FastVisibility::lateral(setup, lateral))),
     ]
 }
 

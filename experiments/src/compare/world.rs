@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use grid::Raster;
-use mapper::catalogue::{Entry, Kind, Setup};
-use mapper::{Prior, Reconciliation};
+use mapper::catalogue::{Entry, Kind};
+use mapper::{Model, Prior, Reconciliation};
 use scene::{Family, Variation};
 use score::{ErrorProfile, LOOK_EDGES, ProbabilityBin, RANGE_EDGES_M, Region, error_profile, probability_bins};
 use serde::{Deserialize, Serialize};
@@ -112,12 +112,12 @@ impl Job {
     ///
     /// # Errors
     /// A condition that does not exist; a layout that cannot be made.
-    pub fn ground(&self, family: &Family, belief: &Belief) -> Result<(Ground, Setup), Failure> {
+    pub fn ground(&self, family: &Family, belief: &Belief) -> Result<(Ground, Model), Failure> {
         let unknown = || Failure::Internal(format!("there is no condition {:?}", self.condition));
         let Condition { size_factor, camera, .. } = *condition(&self.condition).ok_or_else(unknown)?;
         let mut scene = family.scene(self.seed, None, &Variation { size_factor })?;
         let Belief { prior, reconciliation } = *belief;
-        let setup = Setup { prior, reconciliation, ..Setup::new(scene.grid, Arc::new(scene.matcher.stereo)) };
+        let setup = Model { prior, reconciliation, ..Model::new(scene.grid, Arc::new(scene.matcher.stereo)) };
         camera(&mut scene.matcher);
         Ok((Ground::new(scene, belief.prior.occupancy)?, setup))
     }

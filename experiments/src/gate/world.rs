@@ -4,8 +4,8 @@ use std::fmt;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use mapper::Model;
 use mapper::Prior;
-use mapper::catalogue::Setup;
 use scene::{Family, Scene, SceneError, Variation};
 use score::Region;
 
@@ -93,14 +93,14 @@ impl Site {
     ///
     /// # Errors
     /// A layout that cannot be made; a route that is blocked.
-    pub fn ground(&self, world: &World) -> Result<(Ground, Setup), Failure> {
+    pub fn ground(&self, world: &World) -> Result<(Ground, Model), Failure> {
         let Condition { size_factor, camera, .. } = *condition(world.condition).unwrap_or(&AS_BELIEVED);
         let mut scene = match &self.kind {
             Kind::Family(family) => family.scene(world.seed, world.cell_m(), &Variation { size_factor })?,
             Kind::Scene { .. } => Scene::load(&self.path, world.cell_m())?,
         };
         let prior = Prior::default();
-        let setup = Setup { prior, ..Setup::new(scene.grid, Arc::new(scene.matcher.stereo)) };
+        let setup = Model { prior, ..Model::new(scene.grid, Arc::new(scene.matcher.stereo)) };
         camera(&mut scene.matcher);
         Ok((Ground::new(scene, prior.occupancy)?, setup))
     }

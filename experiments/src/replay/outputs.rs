@@ -6,7 +6,7 @@ use std::io::{self, Write as _};
 use grid::ros_map::{self, Coding, Shades};
 use grid::{Raster, npy};
 use logs::Sensor;
-use mapper::catalogue::Setup;
+use mapper::Model;
 use score::SeriesMean;
 use serde_json::{Value, json};
 
@@ -25,7 +25,7 @@ use crate::table::{self, Table};
 pub(super) struct Told<'a> {
     pub(super) options: &'a ReplayOptions,
     pub(super) survey: &'a Survey,
-    pub(super) setup: &'a Setup,
+    pub(super) setup: &'a Model,
     pub(super) maps: &'a Maps,
     pub(super) predictions: &'a Predictions,
 }

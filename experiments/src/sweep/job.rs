@@ -4,8 +4,8 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
-use mapper::catalogue::{Entry, Setup, find};
-use mapper::{CorrelationLaw, Prior, Reconciliation, Tuning, estimate};
+use mapper::catalogue::{Entry, find};
+use mapper::{CorrelationLaw, Model, Prior, Reconciliation, Tuning, estimate};
 use sensor::Stereo;
 use serde::{Deserialize, Serialize};
 
@@ -97,7 +97,7 @@ impl Job {
     }
 
     /// The world, and what the mappers believe of it: the camera that is simulated, unless a setting says otherwise.
-    fn ground(&self, source: &Source) -> Result<(Ground, Setup), Failure> {
+    fn ground(&self, source: &Source) -> Result<(Ground, Model), Failure> {
         let (number, word) = (|key| number_of(&self.settings, key), |key| word_of(&self.settings, key));
         let scene = source.scene(self.seed, &self.settings)?;
         let camera = scene.matcher.stereo;
@@ -113,7 +113,7 @@ impl Job {
             None => Reconciliation::default(),
         };
         let tuning = self.tuning()?;
-        let setup = Setup { prior, reconciliation, tuning, ..Setup::new(scene.grid, Arc::new(believed)) };
+        let setup = Model { prior, reconciliation, tuning, ..Model::new(scene.grid, Arc::new(believed)) };
         Ok((Ground::new(scene, prior.occupancy)?, setup))
     }
 

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::lanes::one_by_one;
+use crate::fast_kernel::one_by_one;
 
 const NOTHING: f64 = f64::INFINITY;
 
@@ -189,7 +189,7 @@ proptest! {
     /// From there on it is one value, to the bit, and just before it is not yet.
     #[test]
     fn settles_where_it_says((laser, reading) in lasers_and_readings(), further in 0.0f64..100.0) {
-        let from = laser.settled_from(reading, 0.0);
+        let from = laser.constant_from(reading, 0.0);
         let there = from * (1.0 + 1e-9) + further;
         let settled = likelihood(&laser, reading, 1e6, 1e6);
         prop_assert_eq!(likelihood(&laser, reading, there, there + 0.05).to_bits(), settled.to_bits());
@@ -201,7 +201,7 @@ proptest! {
 
     #[test]
     fn is_steady_where_it_says((laser, reading) in lasers_and_readings(), a in 0.0f64..1.0, b in 0.0f64..1.0, c in 0.0f64..1.0) {
-        let [from, until] = laser.steady(reading, 0.0);
+        let [from, until] = laser.constant_between(reading, 0.0);
         let within = |share: f64| from + share * (until - from) * (1.0 - 1e-12);
         if from < until {
             let level = likelihood(&laser, reading, within(a), within(a));
