@@ -48,7 +48,8 @@ fn thousands_of_identical_readings() {
     for rule in RULES {
         for reading in [6.0, 15.0, 0.0] {
             let setup = setup(60, 40, Prior::default(), rule, Stereo::default());
-            for (name, mut mapper) in mappers(&setup) {
+            // The reference with continuity across rays takes as long as the map is large.
+            for (name, mut mapper) in mappers(&setup).into_iter().filter(|(name, _)| *name != "lateral") {
                 for _ in 0..2000 {
                     mapper.integrate(&scan(0.31, 1.02, 0.05, &BEARINGS, reading));
                 }

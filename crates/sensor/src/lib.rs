@@ -1,7 +1,7 @@
 //! Scans, and the sensor models that explain them.
 //!
 //! A [`Scan`] is a plain value: where the sensor stood, in which directions it looked, and what it
-//! read. It can come from the simulator, from a file or from a robot. A [`SensorModel`] says how
+//! read. It can come from the simulator, from a file or from a robot. A [`SensorModel`] gives how
 //! likely a reading is when cell `k` of the ray is the first occupied one, `P(o | F_k)`: all a
 //! mapper needs to know of a sensor. [`Stereo`] is the stereo camera of the paper, Eq. (21), and
 //! [`Matcher`] samples the disparities that such a camera would measure, with the paper's

@@ -1,4 +1,4 @@
-//! What a known world says of the prior: occupied share, correlation and mean obstacle length.
+//! The prior of a known world: occupied share, correlation and mean obstacle length.
 
 use grid::Raster;
 

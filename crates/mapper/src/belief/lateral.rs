@@ -1,22 +1,21 @@
 //! Continuity across rays: what the paper's method leaves out.
 //!
-//! The paper's chain knows that cells *along* a ray go together. Across rays, cells on edges that no ray runs along keep
-//! silent or vote for their old state, so that two rays that hit the same wall a hand apart do not learn from each
-//! other. [`Lateral`] adds that, in two places:
+//! The paper's chain correlates cells *along* a ray. Across rays, edges that no ray runs along count for nothing or for their
+//! old state, so that two rays that hit the same wall a hand apart do not learn from each other. [`Lateral`] adds that, in two places:
 //!
 //! | step | what | where |
 //! |---|---|---|
-//! | before the rays | the hits of neighbouring rays are a chain over bearings: what the others say of where this one ends | `ray/bearing_chain` |
+//! | before the rays | the hits of neighbouring rays are a chain over bearings, which gives each ray what the others measured of its end | `ray/bearing_chain` |
 //! | after the rays | edges on no ray take part in the least squares with what Jeffrey's rule makes of their joint | `pairs/lateral_edges` |
 //!
 //! The rest is the paper's: the chain along each ray, and the least squares between them.
 
 use crate::belief::prior::Prior;
 
-/// What is believed of continuity across rays, and how strongly. [`Lateral::default`] is fitted on the tuning scenes.
+/// What is assumed of continuity across rays, and how strongly. [`Lateral::default`] is fitted on the tuning scenes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lateral {
-    /// Whether the rays of a scan tell each other where they end.
+    /// Whether the end of a ray depends on the readings of the rays beside it.
     pub rays: bool,
     /// Whether edges on no ray take part with what their ends have learnt.
     pub edges: bool,

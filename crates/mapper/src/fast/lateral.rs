@@ -50,7 +50,7 @@ fn hop_by_hop(map: &mut Map, sums: &Sums, lateral: &Lateral, hops: usize, layers
     moved.push([0.0; PATCH]);
     for sheet in sums.sheets() {
         let (tile, from) = split(first_of(sums, sheet));
-        moved.push(said(patch(&map.at(tile).occupied, from), sums.sheet(sheet)));
+        moved.push(by_rays(patch(&map.at(tile).occupied, from), sums.sheet(sheet)));
     }
     next.resize(moved.len(), [0.0; PATCH]);
     for hop in 0..hops {
@@ -87,7 +87,7 @@ fn hop_by_hop(map: &mut Map, sums: &Sums, lateral: &Lateral, hops: usize, layers
 
 /// By how much rays alone move the cells of a patch.
 #[inline(always)]
-fn said(occupied: &[f32; PATCH], sheet: &[Entry; PATCH]) -> Moved {
+fn by_rays(occupied: &[f32; PATCH], sheet: &[Entry; PATCH]) -> Moved {
     let mut moved = [0.0; PATCH];
     for r in 0..SIDE {
         let (p, entries) = (row(occupied, r), &sheet[r * SIDE..(r + 1) * SIDE]);
@@ -100,7 +100,7 @@ fn said(occupied: &[f32; PATCH], sheet: &[Entry; PATCH]) -> Moved {
 }
 
 /// Opens sheets for patches with cells that are at most `hops`, no more than a patch has along a side, from one of which
-/// something was said.
+/// is on a ray.
 pub(super) fn open(map: &Map, sums: &mut Sums, hops: usize) {
     let row = |cells: u64, row: usize| cells >> (row * SIDE) & 0xff;
     // Columns and rows from which the patch beside can be reached, by the direction to it.
@@ -109,9 +109,9 @@ pub(super) fn open(map: &Map, sums: &mut Sums, hops: usize) {
     for sheet in sums.sheets() {
         let first = first_of(sums, sheet);
         let entries = sums.sheet(sheet);
-        let spoken = (0..PATCH).fold(0u64, |cells, place| cells | u64::from(entries[place].pairs() > 0) << place);
+        let on_rays = (0..PATCH).fold(0u64, |cells, place| cells | u64::from(entries[place].pairs() > 0) << place);
         for (y, rows) in &rows {
-            let cells = rows.clone().fold(0, |cells, number| cells | row(spoken, number));
+            let cells = rows.clone().fold(0, |cells, number| cells | row(on_rays, number));
             for (x, _) in columns.iter().filter(|(x, columns)| (*x, *y) != (0, 0) && cells & columns != 0) {
                 let beside = if *x == 0 { Some(first) } else { next_to(map, first, 0, *x > 0) };
                 let cell = beside.and_then(|cell| if *y == 0 { Some(cell) } else { next_to(map, cell, 1, *y > 0) });
@@ -166,7 +166,7 @@ fn shifted(row: &Lanes<f32>, beyond: f32, forward: bool) -> Lanes<f32> {
     }
 }
 
-/// A cell is the mean of what rays say of it and, for every edge that no ray runs along, of what it has learnt itself, of
+/// A cell is the mean of its rays and, for every edge that no ray runs along, of what it has learnt itself, of
 /// what its neighbour has learnt, and of what it was.
 #[inline(always)]
 fn marginals(
@@ -203,17 +203,17 @@ fn marginals(
             ),
             (BELOW, down[0], down[1], down[2]),
         ];
-        let (mut told, mut silent) = ([0.0f32; SIDE], [0.0f32; SIDE]);
+        let (mut learnt_of, mut off_rays) = ([0.0f32; SIDE], [0.0f32; SIDE]);
         for (edge, q, moved, both) in others {
             let counts = each(|c| if edges[c] & edge == 0 { 1.0f32 } else { 0.0 });
             // P(E | E_n) - P(E | not E_n); the covariance over the variance is the same, but not in single precision.
             let gain = each(|c| both[c] / q[c] - (p[c] - both[c]) / (1.0 - q[c]));
-            told = each(|c| told[c] + counts[c] * (m[c] + gain[c] * moved[c]));
-            silent = each(|c| silent[c] + counts[c]);
+            learnt_of = each(|c| learnt_of[c] + counts[c] * (m[c] + gain[c] * moved[c]));
+            off_rays = each(|c| off_rays[c] + counts[c]);
         }
         let pairs = each(|c| f64::from(entries[c].pairs() as i32));
-        let sum = each(|c| (entries[c].occupied - pairs[c] * f64::from(p[c])) + f64::from(learnt * told[c]));
-        let number = each(|c| pairs[c] + weight * f64::from(silent[c]));
+        let sum = each(|c| (entries[c].occupied - pairs[c] * f64::from(p[c])) + f64::from(learnt * learnt_of[c]));
+        let number = each(|c| pairs[c] + weight * f64::from(off_rays[c]));
         let after = each(|c| p[c] + (sum[c] / number[c]) as f32);
         let after = each(|c| bounded(after[c]));
         for c in 0..SIDE {
@@ -252,14 +252,14 @@ fn joints(
             let rays = each(|c| f64::from(entries[c].rays(axis) as i32));
             let differ = each(|c| (entries[c].differ[axis] / rays[c]) as f32);
             let now = each(|c| [bounded(p[c] + d[c]), bounded(q[c] + e[c])]);
-            let said = each(|c| 0.5 * (now[c][0] + now[c][1] - differ[c]));
+            let by_rays = each(|c| 0.5 * (now[c][0] + now[c][1] - differ[c]));
             // 1 - P(E_n | E) - P(E_n | not E): what the probability that the two differ learns from either.
             let here = each(|c| (1.0 - old[c] / p[c] - (q[c] - old[c]) / (1.0 - p[c])) * m[c]);
             let there = each(|c| (1.0 - old[c] / q[c] - (p[c] - old[c]) / (1.0 - q[c])) * other[c]);
             let kept = each(|c| old[c] + 0.5 * (d[c] + e[c] - share * (here[c] + there[c])));
             for c in 0..SIDE {
                 both[axis][r * SIDE + c] =
-                    possible(now[c][0], now[c][1], if rays[c] > 0.0 { said[c] } else { kept[c] });
+                    possible(now[c][0], now[c][1], if rays[c] > 0.0 { by_rays[c] } else { kept[c] });
             }
         }
     }

@@ -94,9 +94,9 @@ fn marginals(occupied: &mut [f32; PATCH], sheet: &[Entry; PATCH], missing: &[u32
         let entries = &sheet[r * SIDE..(r + 1) * SIDE];
         let (p, missing) = (row(occupied, r), row(missing, r));
         let edges = each(|c| entries[c].edges() | missing[c]);
-        let silent = each(|c| 4 - ((edges[c] & 1) + ((edges[c] >> 1) & 1) + ((edges[c] >> 2) & 1) + (edges[c] >> 3)));
-        let sum = each(|c| entries[c].occupied + f64::from(silent[c] as i32) * f64::from(p[c]));
-        let number = each(|c| f64::from((entries[c].pairs() + silent[c]) as i32));
+        let off_rays = each(|c| 4 - ((edges[c] & 1) + ((edges[c] >> 1) & 1) + ((edges[c] >> 2) & 1) + (edges[c] >> 3)));
+        let sum = each(|c| entries[c].occupied + f64::from(off_rays[c] as i32) * f64::from(p[c]));
+        let number = each(|c| f64::from((entries[c].pairs() + off_rays[c]) as i32));
         let mean = each(|c| (sum[c] / number[c]) as f32);
         let mean = each(|c| bounded(mean[c]));
         // A cell alone in its grid has no edge.
@@ -137,10 +137,10 @@ fn joints(tile: &mut Tile, from: usize, sheet: &[Entry; PATCH], moved: &Moved, a
             let old = row(both[axis], r);
             let rays = each(|c| f64::from(entries[c].rays(axis) as i32));
             let differ = each(|c| (entries[c].differ[axis] / rays[c]) as f32);
-            let said = each(|c| 0.5 * (p[c] + q[c] - differ[c]));
+            let by_rays = each(|c| 0.5 * (p[c] + q[c] - differ[c]));
             let kept = each(|c| old[c] + 0.5 * (m[c] + other[c]));
             for c in 0..SIDE {
-                both[axis][r * SIDE + c] = possible(p[c], q[c], if rays[c] > 0.0 { said[c] } else { kept[c] });
+                both[axis][r * SIDE + c] = possible(p[c], q[c], if rays[c] > 0.0 { by_rays[c] } else { kept[c] });
             }
         }
     }

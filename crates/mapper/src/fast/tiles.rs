@@ -1,4 +1,4 @@
-//! A map in square tiles that are made when a reading says something of them, so that memory follows what was seen.
+//! A map in square tiles that are made when a reading moves one of their cells, so that memory follows what was seen.
 
 use std::sync::OnceLock;
 

@@ -1,4 +1,4 @@
-//! [`Reconciliation::Touched`](crate::Reconciliation::Touched): an edge on no ray keeps its correlation, and has no say in the marginals.
+//! [`Reconciliation::Touched`](crate::Reconciliation::Touched): an edge on no ray keeps its correlation, and does not count in the marginals.
 
 use crate::belief::prior::Continuity;
 use crate::fast::bounds::{bounded, possible};
@@ -7,8 +7,8 @@ use crate::fast::sums::{LEFT, RIGHT, Sums};
 use crate::fast::tiles::{PATCH, split};
 use crate::pairs::joint::{both_occupied, correlation};
 
-/// An edge of a touched cell that no ray ran along far enough to say what it is.
-struct Silent {
+/// An edge of a touched cell whose joint no ray moves.
+struct OffRays {
     low: u32,
     axis: usize,
     kept: Kept,
@@ -18,7 +18,7 @@ struct Silent {
 enum Kept {
     /// Its correlation, on no ray.
     Correlation(f64),
-    /// The probability that its cells differ: rays that run along it say what it was.
+    /// The probability that its cells differ: rays pass along it unmoved.
     Differ(f64),
 }
 
@@ -29,16 +29,16 @@ pub(super) fn touched(map: &mut Map, continuity: Continuity, sums: &Sums) {
     let places =
         sums.sheets().flat_map(|sheet| (0..PATCH).map(move |place| (sums.patch(sheet) * PATCH + place) as u32));
     let cells: Vec<u32> = places.filter(|cell| sums.is_touched(*cell)).collect();
-    let mut silent = Vec::new();
+    let mut off_rays = Vec::new();
     for &cell in cells.iter().filter(|_| continuity == Continuity::Kept) {
         let at = numbering.column_row(cell);
         let entry = sums.get(cell);
         for axis in 0..2 {
             if at[axis] + 1 < [spec.width, spec.height][axis] && entry.rays(axis) == 0 {
-                silent.push(keep(map, cell, axis, false));
+                off_rays.push(keep(map, cell, axis, false));
             }
             if let Some(low) = numbering.before(cell, axis).filter(|low| !sums.is_touched(*low)) {
-                silent.push(keep(map, low, axis, entry.edges() & (LEFT << axis) != 0));
+                off_rays.push(keep(map, low, axis, entry.edges() & (LEFT << axis) != 0));
             }
         }
     }
@@ -53,16 +53,16 @@ pub(super) fn touched(map: &mut Map, continuity: Continuity, sums: &Sums) {
             set(map, cell, axis, &Kept::Differ(entry.differ[axis] / f64::from(entry.rays(axis))));
         }
     }
-    for Silent { low, axis, kept } in silent {
+    for OffRays { low, axis, kept } in off_rays {
         set(map, low, axis, &kept);
     }
 }
 
-fn keep(map: &Map, low: u32, axis: usize, on_rays: bool) -> Silent {
+fn keep(map: &Map, low: u32, axis: usize, on_rays: bool) -> OffRays {
     let [p, q] = ends(map, low, axis).map(f64::from);
     let both = f64::from(map.both(low, axis));
     let kept = if on_rays { Kept::Differ(p + q - 2.0 * both) } else { Kept::Correlation(correlation(p, q, both)) };
-    Silent { low, axis, kept }
+    OffRays { low, axis, kept }
 }
 
 /// `P(E)` of the two cells of an edge.

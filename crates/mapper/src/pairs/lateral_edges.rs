@@ -16,15 +16,15 @@ pub(crate) fn jeffrey(joint: &Joint, moved: f64) -> [f64; 2] {
 }
 
 impl PairwiseGrid {
-    /// Takes over what the rays of a scan say, as [`reconcile`](Self::reconcile), with edges on no ray as `lateral` has it,
+    /// Takes over the posteriors of a scan's rays, as [`reconcile`](Self::reconcile), with edges on no ray as `lateral` has it,
     /// and empties `moments`. O(cells of the map): a reference.
     ///
     /// An edge on no ray enters the mean with the joint that Jeffrey's rule gives from each of its ends, and with the one it
-    /// had. What its ends have learnt is at first what rays say of them, then what came out before: so it spreads by a cell
+    /// had. Its ends have learnt at first what rays give them, then what came out before: so it spreads by a cell
     /// each of `hops` times.
     pub fn reconcile_laterally(&mut self, moments: &mut Moments, lateral: &Lateral, hops: usize) {
         let spec = *self.spec();
-        let silent = |edge: usize| moments.edge[edge].count == 0;
+        let off_rays = |edge: usize| moments.edge[edge].count == 0;
         let mut moved = vec![0.0; spec.cells()];
         for &cell in &moments.touched {
             moved[cell] = 0.5 * (1.0 + moments.cell[cell].value()) - self.marginal[cell];
@@ -36,12 +36,12 @@ impl PairwiseGrid {
             }
             for cell in 0..spec.cells() {
                 let rays = moments.cell[cell];
-                let (p, rays_say) = (self.marginal[cell], 0.5 * (rays.sum + f64::from(rays.count)));
-                let mut sum = rays_say - f64::from(rays.count) * p;
+                let (p, by_rays) = (self.marginal[cell], 0.5 * (rays.sum + f64::from(rays.count)));
+                let mut sum = by_rays - f64::from(rays.count) * p;
                 let mut weight = f64::from(rays.count);
-                for n in spec.neighbours(cell).filter(|n| silent(n.edge)) {
-                    let [told, _] = jeffrey(&self.joint(n.cell, cell), moved[n.cell]);
-                    sum += lateral.learnt * (moved[cell] + told);
+                for n in spec.neighbours(cell).filter(|n| off_rays(n.edge)) {
+                    let [learns, _] = jeffrey(&self.joint(n.cell, cell), moved[n.cell]);
+                    sum += lateral.learnt * (moved[cell] + learns);
                     weight += 2.0 * lateral.learnt + lateral.before;
                 }
                 if weight > 0.0 {
@@ -51,7 +51,7 @@ impl PairwiseGrid {
         }
         for cell in 0..spec.cells() {
             for n in spec.neighbours(cell).filter(|n| n.cell > cell) {
-                let differ = if silent(n.edge) {
+                let differ = if off_rays(n.edge) {
                     let joint = self.joint(cell, n.cell);
                     let [_, here] = jeffrey(&joint, moved[cell]);
                     let [_, there] = jeffrey(&self.joint(n.cell, cell), moved[n.cell]);

@@ -24,7 +24,7 @@ impl Mean {
     }
 }
 
-/// What the rays of one scan say about the cells and edges they cross.
+/// The moments of the posteriors of one scan, for the cells and edges that its rays cross.
 ///
 /// With `s = +1` for occupied and `-1` for free, a joint is
 /// `P = (1 + m_i s_i + m_j s_j + m_ij s_i s_j) / 4`. The four functions are orthogonal, so the
@@ -58,7 +58,7 @@ impl Moments {
 
     /// Adds the posterior of a ray through the given 4-connected cells.
     ///
-    /// A ray of one cell has no pair; it speaks for its cell alone.
+    /// A ray of one cell has no pair; it counts for its cell alone.
     pub fn add(&mut self, cells: &[usize], posterior: &RayPosterior) {
         if let &[only] = cells {
             self.add_cell(only, 2.0 * posterior.first - 1.0);

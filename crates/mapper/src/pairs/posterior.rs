@@ -1,9 +1,9 @@
-//! What a reading says of the pairs along its ray.
+//! The posterior of the pairs along one ray.
 
 use crate::memory::Held;
 use crate::pairs::joint::Joint;
 
-/// What a reading says about the cells of one ray. A buffer to fill again and again.
+/// The posterior of one reading for the cells of its ray. A buffer to fill again and again.
 #[derive(Debug, Clone, Default)]
 pub struct RayPosterior {
     /// `P(o | O)`, the predictive likelihood of the reading, per unit of the reading.

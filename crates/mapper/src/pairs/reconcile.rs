@@ -12,7 +12,7 @@ use crate::pairs::moments::{self, Moments};
 #[serde(rename_all = "kebab-case")]
 pub enum Reconciliation {
     /// It enters the mean with its joint before the scan, as Eq. (20) reads: the sum runs over all
-    /// pairs. A cell then moves a little less than its rays say.
+    /// pairs. A cell then moves a little less than its rays have it.
     #[default]
     AllEdges,
     /// It is left out, since the scan gives no evidence on it, and keeps its correlation.
@@ -20,19 +20,19 @@ pub enum Reconciliation {
 }
 
 impl PairwiseGrid {
-    /// Takes over what the rays of a scan say, and empties `moments`. O(cells touched).
+    /// Takes over the posteriors of a scan's rays, and empties `moments`. O(cells touched).
     ///
     /// Least squares alone does not keep joints from becoming negative: they are clamped to what
     /// the marginals allow.
     pub fn reconcile(&mut self, moments: &mut Moments, rule: Reconciliation) {
-        let silent = self.silent_edges(moments, rule);
+        let off_rays = self.edges_off_rays(moments, rule);
         self.set_marginals(moments, rule);
         for &cell in &moments.touched {
             for n in self.spec().neighbours(cell).filter(|n| n.cell > cell && moments.edge[n.edge].count > 0) {
                 self.set_product_moment(cell, n.cell, n.edge, moments.edge[n.edge].value());
             }
         }
-        for edge in silent {
+        for edge in off_rays {
             match edge.keeps {
                 Kept::Correlation(c) => {
                     self.both[edge.number] = both_occupied(self.marginal[edge.ends[0]], self.marginal[edge.ends[1]], c);
@@ -60,17 +60,17 @@ impl PairwiseGrid {
         for &cell in &moments.touched {
             let mut mean = moments.cell[cell];
             if rule == Reconciliation::AllEdges {
-                let silent = self.spec().neighbours(cell).filter(|n| moments.edge[n.edge].count == 0).count() as u32;
-                mean.sum += f64::from(silent) * (2.0 * self.marginal[cell] - 1.0);
-                mean.count += silent;
+                let off_rays = self.spec().neighbours(cell).filter(|n| moments.edge[n.edge].count == 0).count() as u32;
+                mean.sum += f64::from(off_rays) * (2.0 * self.marginal[cell] - 1.0);
+                mean.count += off_rays;
             }
             self.marginal[cell] = bounded(0.5 * (1.0 + mean.value()));
         }
     }
 
     /// Edges on no ray that end at a cell on one, with what they keep of their state before the scan.
-    fn silent_edges(&self, moments: &Moments, rule: Reconciliation) -> Vec<SilentEdge> {
-        let mut silent = Vec::new();
+    fn edges_off_rays(&self, moments: &Moments, rule: Reconciliation) -> Vec<EdgeOffRays> {
+        let mut off_rays = Vec::new();
         for &cell in &moments.touched {
             for n in self.spec().neighbours(cell) {
                 let twice = n.cell < cell && moments.cell[n.cell].count > 0;
@@ -84,10 +84,10 @@ impl PairwiseGrid {
                         Kept::Correlation(correlation(self.marginal[cell], self.marginal[n.cell], joint.ee))
                     }
                 };
-                silent.push(SilentEdge { number: n.edge, ends: [cell, n.cell], keeps });
+                off_rays.push(EdgeOffRays { number: n.edge, ends: [cell, n.cell], keeps });
             }
         }
-        silent
+        off_rays
     }
 
     /// Sets the joint of neighbours `a` and `b` to their marginals and the given `m_ij`, as far as
@@ -100,7 +100,7 @@ impl PairwiseGrid {
     }
 }
 
-struct SilentEdge {
+struct EdgeOffRays {
     number: usize,
     ends: [usize; 2],
     keeps: Kept,

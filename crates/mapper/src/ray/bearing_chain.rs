@@ -45,7 +45,7 @@ pub(crate) struct BearingChain {
 /// What is assumed of surfaces.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Surfaces {
-    /// Rays at least this far apart, m, say nothing of each other.
+    /// Rays at least this far apart, m, learn nothing from each other.
     reach_m: f64,
     /// Where a surface is within a cell is not known, m.
     blur_m: f64,
@@ -129,7 +129,7 @@ impl BearingChain {
         let rows = factors.chunks_mut(count).zip(joint.chunks_mut(count)).zip(spread.chunks_mut(count));
         for ((factors, joint), spread) in rows {
             joint.iter_mut().zip(&*factors).for_each(|(own, factor)| *own = *own * (*own * factor));
-            // Evidence is then at most about one, whatever the others say.
+            // Evidence is then at most about one, whatever the others measured.
             let peak = joint.iter().copied().fold(0.0, f32::max);
             let scale = if peak > f32::MIN_POSITIVE { 1.0 / peak } else { 1.0 };
             let (mut least, mut most) = (f32::INFINITY, 0.0f32);
@@ -278,7 +278,7 @@ fn walk_both(walk: &Walk, factors: &mut [f32]) {
     }
 }
 
-/// What the rays on one side say of the next one. A buffer: all are values at nodes.
+/// The message of the rays on one side to the next one. A buffer: all are values at nodes.
 struct Side {
     message: Vec<f32>,
     /// What is known of where the ray before it ends: the message and its own reading.

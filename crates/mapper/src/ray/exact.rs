@@ -7,7 +7,7 @@
 //! all cells so far are free; the pass from behind carries `B[j]`, the likelihood of the reading
 //! given that all cells up to `j` are free.
 //!
-//! This is not what Eqs. (6) and (7) say as printed, see [`super::printed`]; it equals the sum over
+//! These are not Eqs. (6) and (7) as printed, see [`super::printed`]; it equals the sum over
 //! all states, which is what Eq. (2) asks for. `tests/enumeration.rs` is the oracle.
 
 use crate::pairs::joint::Joint;

@@ -1,4 +1,4 @@
-//! What a map says of a reading that it has not seen: `-ln P(reading | map)`, a score that needs no truth.
+//! How well a map predicts a reading that it has not seen: `-ln P(reading | map)`, a score that needs no truth.
 
 use grid::{GridSpec, Raster};
 use sensor::{Ray, SensorModel};

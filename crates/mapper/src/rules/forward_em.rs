@@ -78,7 +78,7 @@ impl ForwardEm {
     }
 }
 
-/// What a reading says if its first occupied cell is known, for every entry and for rays without one.
+/// The log likelihoods of a reading if its first occupied cell is known, for every entry and for rays without one.
 struct Explained {
     /// Likelihood of each reading as a false match, which no map changes.
     false_match: Vec<f64>,

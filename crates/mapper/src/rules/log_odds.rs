@@ -30,7 +30,7 @@ pub struct LogOdds {
     /// they come from, whose increments and clamps are made for it: started at a prior of 0.1, a cell
     /// would lie below OctoMap's lower clamp, and a miss would make it more occupied.
     pub start: f64,
-    /// Range up to which a beam without echo (a reading of `f64::INFINITY`) is a miss, m; 0 where it says nothing.
+    /// Range up to which a beam without echo (a reading of `f64::INFINITY`) is a miss, m; 0 where it changes nothing.
     pub no_echo_m: f64,
 }
 
@@ -77,7 +77,7 @@ struct Tile {
     log_odds: [f64; TILE],
     /// [`MISS`], [`HIT`] and [`KNOWN`].
     seen: [u8; TILE],
-    /// Whether the scan has said anything of each of its patches so far.
+    /// Whether the scan has marked a cell of each of its patches so far.
     touched: [bool; TILE / PATCH],
 }
 
@@ -94,7 +94,7 @@ const KNOWN: u8 = 4;
 /// up to the border where the point lies outside the map. Within one scan a cell is updated once, and
 /// a hit wins over misses, as in both programs. A reading at infinity (disparity 0) has no point; it is
 /// dropped and clears nothing, as point clouds drop it. A beam without echo clears as far as
-/// [`LogOdds::no_echo_m`] says, whatever the sensor's range, and hits nothing. A cell that was never updated is unknown: it
+/// [`LogOdds::no_echo_m`], whatever the sensor's range, and hits nothing. A cell that was never updated is unknown: it
 /// reports the prior, like the unseen cells of every other mapper.
 #[derive(Clone)]
 pub struct ConstantIncrements {
@@ -103,7 +103,7 @@ pub struct ConstantIncrements {
     prior: f64,
     map: Tiles<Tile>,
     sensors: Sensors,
-    /// First cells of the patches that the scan has said anything of so far.
+    /// First cells of the patches that the scan has marked so far.
     touched: Vec<u32>,
     cells: u64,
     /// The map as others see it, made when it is asked for.
@@ -200,9 +200,9 @@ fn apply_marks(Tile { log_odds, seen, touched }: &mut Tile, from: usize, Steps {
         let after = *log_odds + if *seen & HIT != 0 { hit } else { miss };
         let after = if after > low { after } else { low };
         let after = if after < high { after } else { high };
-        let said = *seen & (HIT | MISS) != 0;
-        *log_odds = if said { after } else { *log_odds };
-        *seen = if said { KNOWN } else { *seen };
+        let marked = *seen & (HIT | MISS) != 0;
+        *log_odds = if marked { after } else { *log_odds };
+        *seen = if marked { KNOWN } else { *seen };
     }
     touched[from / PATCH] = false;
 }

@@ -54,11 +54,11 @@ const MOST: f64 = 40.0;
 /// Below this, what is left in front is nothing: it stops the walk through subnormal numbers.
 const NEGLIGIBLE: f64 = 1e-280;
 
-/// Writes what a reading says of each cell of its ray, as log odds, if the others are occupied
+/// Writes the message of a reading to each cell of its ray, as log odds, if the others are occupied
 /// independently with probabilities `occupied`: the exact sum over all 2^N states, in O(N).
 ///
 /// `likelihood[k]` is `P(o | F_k)`, `none` the same for a ray that hits none of its cells. A reading that
-/// is impossible whatever the cell says nothing of it.
+/// is impossible whatever the cell gives a message of 0.
 ///
 /// # Panics
 /// Unless all slices have the same length.
@@ -81,12 +81,12 @@ pub fn ray_messages(occupied: &[f64], likelihood: &[f64], none: f64, messages: &
     }
 }
 
-/// Logarithm of `yes / no`, bounded; two zeros say nothing.
+/// Logarithm of `yes / no`, bounded; 0 of two zeros.
 fn ratio(yes: f64, no: f64) -> f64 {
     if yes.max(no) > 0.0 { libm::log(yes / no).clamp(-MOST, MOST) } else { 0.0 }
 }
 
-/// What two neighbours say to each other: `psi(a, b) = P(a, b) / (P(a) P(b))`, so that unseen cells of a
+/// The potential of two neighbours: `psi(a, b) = P(a, b) / (P(a) P(b))`, so that unseen cells of a
 /// map without loops keep their prior.
 struct Edge {
     /// `psi` of both occupied, of one of the two, and of none.
@@ -187,9 +187,9 @@ struct Beliefs {
     from_rays: Vec<f64>,
     /// Along each edge to its higher and to its lower cell.
     along_edges: Vec<[f64; 2]>,
-    /// Of one ray: its cells without what it said of them, and what it says now.
+    /// Of one ray: its cells without its last messages to them, and its new messages.
     occupied: Vec<f64>,
-    said: Vec<f64>,
+    messages: Vec<f64>,
 }
 
 impl Beliefs {
@@ -202,7 +202,7 @@ impl Beliefs {
             from_rays: vec![0.0; readings.cells().len()],
             along_edges: vec![[0.0; 2]; 2 * spec.cells()],
             occupied: Vec::new(),
-            said: Vec::new(),
+            messages: Vec::new(),
         }
     }
 
@@ -218,12 +218,13 @@ impl Beliefs {
         let cells = &readings.cells()[span.clone()];
         let before = &mut self.from_rays[span.clone()];
         self.occupied.clear();
-        self.occupied
-            .extend(cells.iter().zip(&*before).map(|(&cell, said)| from_log_odds(self.total[cell as usize] - said)));
-        self.said.resize(cells.len(), 0.0);
-        ray_messages(&self.occupied, &readings.likelihood()[span], readings.none(ray), &mut self.said);
+        self.occupied.extend(
+            cells.iter().zip(&*before).map(|(&cell, message)| from_log_odds(self.total[cell as usize] - message)),
+        );
+        self.messages.resize(cells.len(), 0.0);
+        ray_messages(&self.occupied, &readings.likelihood()[span], readings.none(ray), &mut self.messages);
         let mut moved: f64 = 0.0;
-        for ((&cell, before), &now) in cells.iter().zip(before).zip(&self.said) {
+        for ((&cell, before), &now) in cells.iter().zip(before).zip(&self.messages) {
             let change = now - *before;
             moved = moved.max(change.abs());
             *before += (1.0 - self.damping) * change;

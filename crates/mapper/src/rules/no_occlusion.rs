@@ -22,7 +22,7 @@ use crate::rules::conventional::ConventionalRule;
 /// Updates the pairs along one ray with likelihoods of every cell by itself.
 ///
 /// `unaries[k]` holds the likelihoods of what was seen at cell `k` if it is occupied and if it is free;
-/// only their ratio matters, and two zeros say nothing. `posterior.evidence` becomes the probability of
+/// only their ratio matters, and two zeros count as equal. `posterior.evidence` becomes the probability of
 /// all unaries together, which may underflow to 0. States that the unaries rule out altogether leave
 /// the pairs as they were. O(cells).
 ///
@@ -35,14 +35,14 @@ pub fn posterior(chain: &Chain, unaries: &[[f64; 2]], posterior: &mut RayPosteri
     backward(chain, unaries, &mut behind);
     posterior.pairs.clear();
     let p = chain.occupied(0);
-    let [occupied, free] = said(unaries[0]);
+    let [occupied, free] = relative(unaries[0]);
     let (mut front, mut evidence) = normalised([p * occupied, (1.0 - p) * free]);
     let (first, last) = normalised([front[0] * behind[0], front[1] * behind[1]]);
     posterior.first = first[0];
     let mut possible = last > 0.0;
     for j in 0..chain.len() - 1 {
         let (t, u) = (chain.stays_occupied(j), chain.becomes_occupied(j));
-        let [occupied, free] = said(unaries[j + 1]);
+        let [occupied, free] = relative(unaries[j + 1]);
         let ahead = Joint {
             ee: front[0] * t * occupied,
             ef: front[0] * (1.0 - t) * free,
@@ -71,15 +71,15 @@ fn backward(chain: &Chain, unaries: &[[f64; 2]], behind: &mut Vec<f64>) {
     behind.resize(2 * chain.len(), 1.0);
     for j in (0..chain.len() - 1).rev() {
         let (t, u) = (chain.stays_occupied(j), chain.becomes_occupied(j));
-        let [occupied, free] = said(unaries[j + 1]);
+        let [occupied, free] = relative(unaries[j + 1]);
         let (yes, no) = (occupied * behind[2 * j + 2], free * behind[2 * j + 3]);
         let (scaled, _) = normalised([t * yes + (1.0 - t) * no, u * yes + (1.0 - u) * no]);
         behind[2 * j..2 * j + 2].copy_from_slice(&scaled);
     }
 }
 
-/// Two zeros say nothing.
-fn said(unary: [f64; 2]) -> [f64; 2] {
+/// Two zeros count as equal.
+fn relative(unary: [f64; 2]) -> [f64; 2] {
     if unary[0] + unary[1] > 0.0 { unary } else { [1.0; 2] }
 }
 

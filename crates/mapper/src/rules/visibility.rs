@@ -50,7 +50,7 @@ impl Visibility {
     /// "Bayesian Occupancy Grid Mapping via an Exact Inverse Sensor Model", American Control Conference
     /// 2016: with independent cells the sum over all maps is linear in the cells of the ray. Rays that
     /// cross in one scan are reconciled like those of [`exact`](Self::exact). A reading does make cells
-    /// depend on each other; the joints that say so are what this mapper throws away.
+    /// depend on each other; the joints that hold this are what this mapper throws away.
     pub fn independent(model: &Model) -> Self {
         let prior = Prior { correlation: 0.0, ..model.prior };
         let independent = Self::new(&Model { prior, ..model.clone() }, exact::posterior);

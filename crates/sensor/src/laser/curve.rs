@@ -1,4 +1,4 @@
-//! What one reading of a laser says of a surface at every range: two levels, with a bump between.
+//! The likelihood of one reading of a laser for a surface at every range: two levels, with a bump between.
 
 use super::Laser;
 use crate::lanes::{Lanes, each};
