@@ -12,8 +12,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use grid::GridSpec;
-use mapper::catalogue::Setup;
-use mapper::{ConstantIncrements, Lockstep, LogOdds, Mapper};
+use mapper::{ConstantIncrements, FastVisibility, LogOdds, Mapper, Model};
 use scene::{Scene, World};
 use sensor::{Camera, Pose, Scan, Stereo};
 
@@ -30,7 +29,7 @@ fn main() {
     let scene = Scene::parse(&text(), Path::new("the site"), None).expect("valid");
     let (world, stereo) = (World::new(&scene), Stereo::default());
     let grid = GridSpec::covering([0.0; 2], [SITE_M; 2], CELL_M).expect("as many cells as a map can have");
-    let setup = Setup::new(grid, Arc::new(stereo));
+    let setup = Model::new(grid, Arc::new(stereo));
     let poses: Vec<Pose> = (0..SCANS).map(pose).collect();
     let start = Instant::now();
     let scans: Vec<Scan> =
@@ -40,7 +39,7 @@ fn main() {
     let mut log_odds = ConstantIncrements::new(&setup, LogOdds::OCTOMAP);
     mapped("log-odds-octomap", &mut log_odds, &scans, grid);
     drop(log_odds);
-    let mut visibility = Lockstep::visibility(&setup);
+    let mut visibility = FastVisibility::visibility(&setup);
     mapped("visibility", &mut visibility, &scans, grid);
 }
 
@@ -102,7 +101,7 @@ fn scan(number: usize, pose: Pose, world: &World, stereo: &Stereo) -> Scan {
         Some(stereo.disparity(hit.range_m, *bearing)).filter(|disparity| *disparity <= stereo.max_disparity)
     };
     let readings = bearings_rad.iter().map(reading).collect();
-    Scan { time_s: number as f64, pose, bearings_rad, readings }
+    Scan { sensor: 0, time_s: number as f64, pose, bearings_rad, readings }
 }
 
 fn say(line: &str) {

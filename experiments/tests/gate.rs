@@ -382,7 +382,7 @@ fn a_spoilt_baseline_is_refused_with_its_line() {
     assert_eq!(place.text("gates-baseline.csv"), good);
 }
 
-const fn own(name: &'static str, build: fn(&mapper::catalogue::Setup) -> Box<dyn mapper::Mapper>) -> Entry {
+const fn own(name: &'static str, build: fn(&mapper::Model) -> Box<dyn mapper::Mapper>) -> Entry {
     Entry { name, summary: "of this test", source: "here", kind: Kind::Online, build }
 }
 

@@ -215,7 +215,7 @@ impl Carmen {
         if unit.is_ok() {
             report.fan(sensor, message.name, found);
         }
-        let scan = Scan { time_s: message.time_s, pose: Pose::default(), bearings_rad, readings };
+        let scan = Scan { sensor: 0, time_s: message.time_s, pose: Pose::default(), bearings_rad, readings };
         let (mount, odometry, placed, gap, number) = (Pose::default(), None, false, None, None);
         Ok(Recorded { scan, sensor, kind, mount, odometry, placed, gap, line: message.line, unit, number })
     }

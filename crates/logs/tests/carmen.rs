@@ -20,6 +20,7 @@ fn read(text: impl AsRef<[u8]>, options: &Options) -> Result<(Vec<Scan>, logs::R
 fn scan(k: u32) -> Scan {
     let x_m = f64::from(k);
     Scan {
+        sensor: 0,
         time_s: 100.0 + 0.5 * x_m,
         pose: Pose { x_m, y_m: -1.5, theta_rad: 0.1 * x_m },
         bearings_rad: (0..181).map(|beam| f64::from(beam - 90).to_radians()).collect(),
@@ -285,7 +286,7 @@ fn any_scan() -> impl Strategy<Value = Scan> {
     (pose, prop::collection::vec(reading, 2..40), 0.0..1e9).prop_map(|(pose, readings, time_s)| {
         let step = std::f64::consts::PI / (readings.len() - 1) as f64;
         let bearings_rad = (0..readings.len()).map(|k| -std::f64::consts::FRAC_PI_2 + k as f64 * step).collect();
-        Scan { time_s, pose, bearings_rad, readings }
+        Scan { sensor: 0, time_s, pose, bearings_rad, readings }
     })
 }
 

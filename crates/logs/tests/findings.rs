@@ -9,6 +9,7 @@ use writer::flaser;
 /// A scan of so many beams; scan k is made after k tenths of a second, k / 20 m along x.
 fn scan(k: u32, beams: usize) -> Scan {
     Scan {
+        sensor: 0,
         time_s: 1000.0 + 0.1 * f64::from(k),
         pose: Pose { x_m: 0.05 * f64::from(k), y_m: 1.0, theta_rad: 0.01 * f64::from(k) },
         bearings_rad: vec![0.0; beams],

@@ -34,6 +34,7 @@ fn stereo(scans: &[Scan]) -> String {
 
 fn drive() -> Vec<Scan> {
     let scan = |k: u32| Scan {
+        sensor: 0,
         time_s: 5.0 + f64::from(k),
         pose: Pose { x_m: f64::from(k), y_m: 0.5, theta_rad: 0.25 },
         bearings_rad: vec![-0.5, 0.0, 0.5],

@@ -5,7 +5,7 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use mapper::{Chain, RayPosterior, RayRule, exact, printed};
-use sensor::{SensorModel as _, Stereo};
+use sensor::{Kernel as _, Stereo};
 
 fn rays(criterion: &mut Criterion) {
     let rules: [(&str, RayRule); 2] = [("visibility", exact::posterior), ("visibility-printed", printed::posterior)];

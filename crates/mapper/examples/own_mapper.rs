@@ -35,6 +35,12 @@ fn main() {
     let spec = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: 40, height: 1 };
     let mut map = Counting { occupancy: Raster::filled(spec, 0.1), looks: vec![[0; 2]; spec.cells()] };
     let pose = Pose { x_m: 0.0, y_m: 0.02, theta_rad: 0.0 };
-    map.integrate(&Scan { time_s: 0.0, pose, bearings_rad: vec![0.0; 3], readings: vec![Some(9.8), Some(10.1), None] });
+    map.integrate(&Scan {
+        sensor: 0,
+        time_s: 0.0,
+        pose,
+        bearings_rad: vec![0.0; 3],
+        readings: vec![Some(9.8), Some(10.1), None],
+    });
     assert!(map.occupancy()[10] < 0.05 && map.occupancy()[30] > 0.3);
 }

@@ -7,92 +7,50 @@
 //! | step | equations | function |
 //! |---|---|---|
 //! | the ray as a Markov chain of cells | Section 2.1, (11)-(13) | [`Chain::gather`] |
-//! | likelihood of the reading per first occupied cell | (21) | [`sensor::SensorModel::likelihood`] |
-//! | ... beyond the last cell | sum to infinity in (7) | [`beyond::likelihood`] |
+//! | likelihood of the reading per first occupied cell | (21) | [`sensor::Kernel::likelihood`] |
+//! | ... past the last cell | sum to infinity in (7) | [`past_the_map::likelihood`] |
 //! | posterior of every pair | (1)-(7) | [`exact::posterior`], [`printed::posterior`] |
 //! | agreement between rays | (18)-(20) | [`Moments`], [`PairwiseGrid::reconcile`] |
 //!
 //! [`Lateral`] adds continuity across rays, which is not in the paper.
-//! [`lockstep`] does the same for several rays at a time, which is what `visibility` runs; this is its reference.
+//! [`FastVisibility`] does the same for several rays at a time, which is what `visibility` runs; [`Visibility`] is its reference.
 //! [`catalogue`] lists every mapper by name. To add your own, implement [`Mapper`]: the example
 //! `own_mapper` does it in twenty lines.
+//!
+//! Modules import from those before them alone: `memory`, `belief`, `pairs`, `ray`, `tuning`, `model`, `mapper`, `fast`, `rules`, `catalogue`.
 
-pub mod beyond;
+mod belief;
 pub mod catalogue;
-mod chain;
-mod climb;
-mod conventional;
-pub mod estimate;
-pub mod exact;
-mod forward_em;
-mod lateral;
-mod lines;
-pub mod lockstep;
-mod log_odds;
-mod moments;
-pub mod mrf;
-pub mod no_occlusion;
+mod fast;
+mod mapper;
+mod memory;
+mod model;
 mod pairs;
-mod predictive;
-pub mod printed;
-mod prior;
 mod ray;
-mod readings;
-mod reconcile;
-mod tiles;
+mod rules;
 mod tuning;
-mod unseen;
-mod visibility;
-mod work;
 
-pub use chain::{Chain, RayPosterior};
-pub use conventional::{Conventional, ConventionalRule};
-pub use estimate::Estimate;
-pub use forward_em::ForwardEm;
-pub use lateral::Lateral;
-pub use lockstep::Lockstep;
-pub use log_odds::{ConstantIncrements, LogOdds};
-pub use moments::Moments;
-pub use mrf::{Field, Mrf};
-pub use no_occlusion::NoOcclusion;
-pub use pairs::{Broken, Joint, PairwiseGrid};
-pub use predictive::{Belief, Predictive};
-pub use prior::{CorrelationLaw, Prior};
-pub use reconcile::Reconciliation;
+pub use belief::estimate::{self, Estimate};
+pub use belief::lateral::Lateral;
+pub use belief::prior::{CorrelationLaw, Prior};
+pub use belief::probability::{EPSILON, bayes};
+pub use fast::visibility::FastVisibility;
+pub use mapper::{Mapper, Work};
+pub use model::{Model, Sensors};
+pub use pairs::grid::{Broken, PairwiseGrid};
+pub use pairs::joint::Joint;
+pub use pairs::moments::Moments;
+pub use pairs::posterior::RayPosterior;
+pub use pairs::reconcile::Reconciliation;
+pub use ray::chain::Chain;
+pub use ray::predictive::{Belief, Predictive};
+pub use ray::update::RayRule;
+pub use ray::{exact, past_the_map, printed};
+pub use rules::conventional::{Conventional, ConventionalRule};
+pub use rules::forward_em::ForwardEm;
+pub use rules::log_odds::{ConstantIncrements, LogOdds};
+pub use rules::mrf::{self, Field, Mrf};
+pub use rules::no_occlusion::{self, NoOcclusion};
+pub use rules::unseen::Unseen;
+pub use rules::visibility::Visibility;
 pub use tuning::Tuning;
-pub use unseen::Unseen;
-pub use visibility::{RayRule, Visibility};
-pub use work::Work;
-
-use grid::Raster;
-use sensor::Scan;
-
-/// Smallest distance that a probability keeps from 0 and 1, so that no cell is ever beyond
-/// evidence: a cell held free at 1e-6 is held occupied again after three clear readings.
-pub const EPSILON: f64 = 1e-6;
-
-/// A rule that turns scans into a map.
-pub trait Mapper: Send {
-    /// Updates the map with one scan. Rays without a reading, and rays that start outside the map,
-    /// say nothing.
-    fn integrate(&mut self, scan: &Scan);
-
-    /// Brings the map up to date with the scans so far. A batch mapper, which sees all scans at once,
-    /// solves here; others are always up to date.
-    fn settle(&mut self) {}
-
-    /// Probability, 0 to 1, that each cell is occupied, given the scans up to the last
-    /// [`settle`](Self::settle), or so far if the mapper is no batch mapper.
-    fn occupancy(&self) -> &Raster<f64>;
-
-    /// The joint probabilities of neighbours, of a map that holds them; made for the call.
-    fn pairwise(&self) -> Option<PairwiseGrid> {
-        None
-    }
-
-    /// What it has done since it was made, and the memory that it holds. A mapper that does not say is taken to hold
-    /// its occupancy alone.
-    fn work(&self) -> Work {
-        Work::uncounted(self.occupancy())
-    }
-}

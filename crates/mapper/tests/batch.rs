@@ -3,20 +3,19 @@
 use std::sync::Arc;
 
 use grid::{DigitalLine, GridSpec};
-use mapper::catalogue::Setup;
-use mapper::{Field, ForwardEm, Mapper as _, Mrf, Prior, mrf};
+use mapper::{Field, ForwardEm, Mapper as _, Model, Mrf, Prior, mrf};
 use proptest::prelude::*;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
-use sensor::{Pose, Scan, SensorModel as _, Stereo};
+use sensor::{Kernel as _, Pose, Scan, Stereo};
 
 /// Cells of half a metre seen by a camera whose noise spans several of them.
 const STEREO: Stereo = Stereo { focal_baseline: 15.0, disparity_sigma: 3.0, correct_match: 0.8, max_disparity: 60.0 };
 
-fn setup(width: usize, height: usize) -> Setup {
+fn setup(width: usize, height: usize) -> Model {
     let grid = GridSpec { cell_m: 0.5, origin_m: [0.0; 2], width, height };
     let prior = Prior { occupancy: 0.2, ..Prior::default() };
-    Setup { prior, ..Setup::new(grid, Arc::new(STEREO)) }
+    Model { prior, ..Model::new(grid, Arc::new(STEREO)) }
 }
 
 /// Swept until nothing moves.
@@ -27,14 +26,14 @@ type Look = [f64; 4];
 
 fn scan(&[x_m, y_m, theta_rad, reading]: &Look) -> Scan {
     let pose = Pose { x_m, y_m, theta_rad };
-    Scan { time_s: 0.0, pose, bearings_rad: vec![0.0], readings: vec![Some(reading)] }
+    Scan { sensor: 0, time_s: 0.0, pose, bearings_rad: vec![0.0], readings: vec![Some(reading)] }
 }
 
 /// The rays as an oracle sees them: cells, likelihood of each as the first occupied one, and of none.
 struct Rays(Vec<(Vec<usize>, Vec<f64>, f64)>);
 
 impl Rays {
-    fn new(setup: &Setup, looks: &[Look]) -> Self {
+    fn new(setup: &Model, looks: &[Look]) -> Self {
         let p = setup.prior.occupancy;
         // P(E_{j+1} | not E_j), from the correlation of Eq. (16).
         let onset = p * (1.0 - setup.prior.neighbour_correlation(setup.grid.cell_m));
@@ -46,8 +45,8 @@ impl Rays {
             STEREO.likelihood(look[3], 0.0, line.ranges(), &mut likelihood);
             let from_m = *line.ranges().last().expect("never empty");
             let chord_m = setup.grid.cell_m / (ray.direction[0].abs() + ray.direction[1].abs());
-            let beyond = mapper::beyond::Beyond { from_m, chord_m, onset };
-            (line.cells().to_vec(), likelihood, mapper::beyond::likelihood(&STEREO, look[3], 0.0, &beyond))
+            let beyond = mapper::past_the_map::PastTheMap { from_m, chord_m, onset };
+            (line.cells().to_vec(), likelihood, mapper::past_the_map::likelihood(&STEREO, look[3], 0.0, &beyond))
         });
         Self(rays.collect())
     }
@@ -67,7 +66,7 @@ fn independent_prior(p: f64, cells: usize, map: u32) -> f64 {
 }
 
 /// The field of [`Mrf`]: the prior times `P(a, b) / (P(a) P(b))` for every pair of neighbours.
-fn field(setup: &Setup, coupling: f64, map: u32) -> f64 {
+fn field(setup: &Model, coupling: f64, map: u32) -> f64 {
     let p = setup.prior.occupancy;
     let cells = setup.grid.cells();
     let marginal = |on: bool| if on { p } else { 1.0 - p };

@@ -3,28 +3,28 @@
 use std::sync::Arc;
 
 use grid::{GridSpec, Raster};
-use mapper::catalogue::{Entry, Kind, MAPPERS, Setup};
-use mapper::{EPSILON, Mapper, Prior, Reconciliation};
+use mapper::catalogue::{Entry, Kind, MAPPERS};
+use mapper::{EPSILON, Mapper, Model, Prior, Reconciliation, Sensors};
 use proptest::prelude::*;
-use sensor::{Pose, Scan, Stereo};
+use sensor::{Laser, Pose, Scan, SensorModel, Stereo};
 
 const BEARINGS: [f64; 5] = [-0.5, -0.2, 0.0, 0.1, 0.5];
 
 /// The camera of every scan that must change nothing.
 const INSIDE: Pose = Pose { x_m: 0.02, y_m: 0.03, theta_rad: 0.3 };
 
-fn setup(width: usize, height: usize, occupancy: f64, correlation: f64, reconciliation: Reconciliation) -> Setup {
+fn setup(width: usize, height: usize, occupancy: f64, correlation: f64, reconciliation: Reconciliation) -> Model {
     let grid = GridSpec { cell_m: 0.1, origin_m: [0.0; 2], width, height };
     let prior = Prior { occupancy, correlation, ..Prior::default() };
-    Setup { prior, reconciliation, ..Setup::new(grid, Arc::new(Stereo::default())) }
+    Model { prior, reconciliation, ..Model::new(grid, Arc::new(Stereo::default())) }
 }
 
 fn scan(pose: Pose, readings: Vec<Option<f64>>) -> Scan {
-    Scan { time_s: 0.0, pose, bearings_rad: BEARINGS.to_vec(), readings }
+    Scan { sensor: 0, time_s: 0.0, pose, bearings_rad: BEARINGS.to_vec(), readings }
 }
 
 /// The map after the given scans, settled once at the end.
-fn mapped(entry: &Entry, setup: &Setup, scans: &[Scan]) -> (Box<dyn Mapper>, Raster<f64>) {
+fn mapped(entry: &Entry, setup: &Model, scans: &[Scan]) -> (Box<dyn Mapper>, Raster<f64>) {
     let mut mapper = (entry.build)(setup);
     scans.iter().for_each(|scan| mapper.integrate(scan));
     mapper.settle();
@@ -120,4 +120,52 @@ fn names_are_unique() {
     for (i, entry) in MAPPERS.iter().enumerate() {
         assert!(MAPPERS[..i].iter().all(|other| other.name != entry.name), "{}", entry.name);
     }
+}
+
+/// A copy goes on like the mapper that it was made from, and neither changes the other.
+#[test]
+fn a_fork_goes_on_by_itself() {
+    let pose = |x_m: f64| Pose { x_m, y_m: 0.52, theta_rad: 0.2 };
+    let scans: Vec<Scan> = [0.05, 0.15, 0.31, 0.4].map(|x_m| scan(pose(x_m), vec![Some(15.0); 5])).to_vec();
+    for entry in MAPPERS {
+        let setup = setup(14, 10, 0.1, 0.8, Reconciliation::AllEdges);
+        let (mut mapper, before) = mapped(entry, &setup, &scans[..2]);
+        let mut fork = mapper.fork().unwrap_or_else(|| panic!("{} can be copied", entry.name));
+        scans[2..].iter().for_each(|scan| fork.integrate(scan));
+        fork.settle();
+        assert_eq!(mapper.occupancy(), &before, "{}: the original is left alone", entry.name);
+        assert_eq!(fork.occupancy(), &mapped(entry, &setup, &scans).1, "{}: as without a fork", entry.name);
+        scans[2..].iter().for_each(|scan| mapper.integrate(scan));
+        mapper.settle();
+        assert_eq!(mapper.occupancy(), fork.occupancy(), "{}: the same way", entry.name);
+        assert_eq!(mapper.work().cells, fork.work().cells, "{}", entry.name);
+    }
+}
+
+/// Scans are taken for the sensor that they name: with two, the map is that of either alone where all scans are its own.
+#[test]
+fn a_scan_names_its_sensor() {
+    let (stereo, laser): (Arc<dyn SensorModel>, Arc<dyn SensorModel>) =
+        (Arc::new(Stereo::default()), Arc::new(Laser { max_range_m: 5.0, ..Laser::default() }));
+    let one = |sensor: &Arc<dyn SensorModel>| {
+        let setup = setup(14, 10, 0.1, 0.8, Reconciliation::AllEdges);
+        Model { sensors: Sensors::one(Arc::clone(sensor)), ..setup }
+    };
+    let both = Model { sensors: Sensors::new(vec![Arc::clone(&stereo), Arc::clone(&laser)]), ..one(&stereo) };
+    let pose = Pose { x_m: 0.05, y_m: 0.52, theta_rad: 0.0 };
+    for entry in MAPPERS {
+        for (number, (sensor, reading)) in [(&stereo, 15.0), (&laser, 1.0)].into_iter().enumerate() {
+            let alone = scan(pose, vec![Some(reading); 5]);
+            let named = Scan { sensor: number, ..alone.clone() };
+            let expected = mapped(entry, &one(sensor), &[alone]).1;
+            assert_eq!(mapped(entry, &both, &[named]).1, expected, "{} {number}", entry.name);
+        }
+    }
+}
+
+#[test]
+#[should_panic(expected = "a scan of sensor 1: the model has 1, numbered from 0")]
+fn a_sensor_that_is_not_there_is_refused() {
+    let mut mapper = mapper::FastVisibility::visibility(&setup(14, 10, 0.1, 0.8, Reconciliation::AllEdges));
+    mapper.integrate(&Scan { sensor: 1, ..scan(INSIDE, vec![Some(15.0); 5]) });
 }

@@ -6,12 +6,12 @@ use std::sync::Arc;
 
 use difference::difference;
 use grid::{GridSpec, Raster};
-use mapper::catalogue::{Entry, MAPPERS, Setup, find};
-use mapper::{EPSILON, Lockstep, Mapper as _, Prior, Reconciliation, Visibility};
+use mapper::catalogue::{Entry, MAPPERS, find};
+use mapper::{EPSILON, FastVisibility, Mapper as _, Model, Prior, Reconciliation, Visibility};
 use proptest::prelude::*;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
-use sensor::{Laser, Pose, Scan, SensorModel as _};
+use sensor::{Kernel as _, Laser, Pose, Scan};
 
 const NO_ECHO: f64 = f64::INFINITY;
 
@@ -48,25 +48,25 @@ fn scan(rng: &mut ChaCha8Rng, spec: &GridSpec, beams: usize, laser: &Laser) -> S
         }
     };
     let readings = bearings_rad.iter().map(|bearing| reading(*bearing, rng)).collect();
-    Scan { time_s: 0.0, pose, bearings_rad, readings }
+    Scan { sensor: 0, time_s: 0.0, pose, bearings_rad, readings }
 }
 
 /// A row of cells of 10 cm and a beam along it from the first.
-fn row(width: usize, laser: Laser) -> Setup {
+fn row(width: usize, laser: Laser) -> Model {
     let grid = GridSpec { cell_m: 0.1, origin_m: [0.0; 2], width, height: 1 };
-    Setup::new(grid, Arc::new(laser))
+    Model::new(grid, Arc::new(laser))
 }
 
 fn beam(reading: f64) -> Scan {
     let pose = Pose { x_m: 0.03, y_m: 0.05, theta_rad: 0.0 };
-    Scan { time_s: 0.0, pose, bearings_rad: vec![0.0], readings: vec![Some(reading)] }
+    Scan { sensor: 0, time_s: 0.0, pose, bearings_rad: vec![0.0], readings: vec![Some(reading)] }
 }
 
 fn range(k: usize) -> f64 {
     (0.1 * k as f64 - 0.03).max(0.0)
 }
 
-fn mapped(entry: &Entry, setup: &Setup, scans: &[Scan]) -> Raster<f64> {
+fn mapped(entry: &Entry, setup: &Model, scans: &[Scan]) -> Raster<f64> {
     let mut mapper = (entry.build)(setup);
     scans.iter().for_each(|scan| mapper.integrate(scan));
     mapper.settle();
@@ -84,8 +84,8 @@ proptest! {
         let grid = GridSpec { cell_m, origin_m: [0.0; 2], width, height };
         let prior = Prior { occupancy, correlation, ..Prior::default() };
         let reconciliation = if touched { Reconciliation::Touched } else { Reconciliation::AllEdges };
-        let setup = Setup { prior, reconciliation, ..Setup::new(grid, Arc::new(laser)) };
-        let mut fast = if continuity { Lockstep::visibility(&setup) } else { Lockstep::independent(&setup) };
+        let setup = Model { prior, reconciliation, ..Model::new(grid, Arc::new(laser)) };
+        let mut fast = if continuity { FastVisibility::visibility(&setup) } else { FastVisibility::independent(&setup) };
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         for _ in 0..6 {
             let mut reference = if continuity { Visibility::exact(&setup) } else { Visibility::independent(&setup) };
@@ -104,7 +104,7 @@ proptest! {
         n in 1usize..=11, occupancy in 0.02f64..0.6, correlation in 0.0f64..0.95, laser in lasers(), share in 0.0f64..1.3,
     ) {
         let prior = Prior { occupancy, correlation, ..Prior::default() };
-        let setup = Setup { prior, ..row(n, laser) };
+        let setup = Model { prior, ..row(n, laser) };
         let reading = if share < 1.0 { share * laser.max_range_m.min(2.0) } else { NO_ECHO };
         let correlation = prior.neighbour_correlation(0.1);
         // Transitions of a stationary two-state chain.
@@ -146,7 +146,7 @@ proptest! {
     fn every_mapper_takes_a_laser(seed: u64, width in 1usize..20, height in 1usize..14, laser in lasers(), certain: bool) {
         let laser = if certain { Laser { hit: 1.0, no_echo: 0.0, ..laser } } else { laser };
         let grid = GridSpec { cell_m: 0.1, origin_m: [0.0; 2], width, height };
-        let setup = Setup::new(grid, Arc::new(laser));
+        let setup = Model::new(grid, Arc::new(laser));
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let scans: Vec<Scan> = (0..4).map(|_| scan(&mut rng, &grid, 12, &laser)).collect();
         for entry in MAPPERS {

@@ -3,8 +3,7 @@
 use std::sync::Arc;
 
 use grid::GridSpec;
-use mapper::catalogue::Setup;
-use mapper::{Lateral, Lockstep, Mapper as _, Prior, Visibility};
+use mapper::{FastVisibility, Lateral, Mapper as _, Model, Prior, Visibility};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
 use sensor::{Matcher, Pose, Scan, Stereo};
@@ -19,7 +18,7 @@ fn scan(rays: usize, seed: u64) -> Scan {
     let wall_m = |bearing: f64| 4.0 / bearing.cos();
     let readings =
         bearings_rad.iter().map(|bearing| matcher.sample(wall_m(*bearing), *bearing, 1.0, &mut rng)).collect();
-    Scan { time_s: 0.0, pose: Pose { x_m: 0.5, y_m: 2.25, theta_rad: 0.0 }, bearings_rad, readings }
+    Scan { sensor: 0, time_s: 0.0, pose: Pose { x_m: 0.5, y_m: 2.25, theta_rad: 0.0 }, bearings_rad, readings }
 }
 
 /// Which cells the rays with readings cross.
@@ -36,11 +35,11 @@ fn on_rays(scan: &Scan) -> Vec<bool> {
 #[test]
 fn without_correlation_cells_on_no_ray_learn_nothing() {
     let prior = Prior { correlation: 0.0, ..Prior::default() };
-    let setup = Setup { prior, ..Setup::new(GRID, Arc::new(Stereo::default())) };
+    let setup = Model { prior, ..Model::new(GRID, Arc::new(Stereo::default())) };
     let scan = scan(9, 1);
     let on_rays = on_rays(&scan);
     let (mut reference, mut fast) =
-        (Visibility::lateral(&setup, Lateral::default()), Lockstep::lateral(&setup, Lateral::default()));
+        (Visibility::lateral(&setup, Lateral::default()), FastVisibility::lateral(&setup, Lateral::default()));
     reference.integrate(&scan);
     fast.integrate(&scan);
     for (cell, on_ray) in on_rays.iter().enumerate() {
@@ -54,7 +53,7 @@ fn without_correlation_cells_on_no_ray_learn_nothing() {
 
 #[test]
 fn with_it_they_do() {
-    let setup = Setup::new(GRID, Arc::new(Stereo::default()));
+    let setup = Model::new(GRID, Arc::new(Stereo::default()));
     let scan = scan(18, 1);
     let on_rays = on_rays(&scan);
     // Between rays, well before the wall, where the method of the paper knows nothing.
@@ -63,11 +62,12 @@ fn with_it_they_do() {
         !on_rays[*cell] && (2.0..2.5).contains(&x) && (y - 2.25).abs() < 0.3 * (x - 0.5)
     };
     let cells: Vec<usize> = (0..GRID.cells()).filter(between).collect();
-    let mean = |mut mapper: Lockstep| {
+    let mean = |mut mapper: FastVisibility| {
         mapper.integrate(&scan);
         cells.iter().map(|cell| mapper.occupancy()[*cell]).sum::<f64>() / cells.len() as f64
     };
-    let (along, across) = (mean(Lockstep::visibility(&setup)), mean(Lockstep::lateral(&setup, Lateral::default())));
+    let (along, across) =
+        (mean(FastVisibility::visibility(&setup)), mean(FastVisibility::lateral(&setup, Lateral::default())));
     assert!(
         cells.len() > 20 && (along - 0.1).abs() < 1e-6 && across < 0.098,
         "{} cells: {along}, {across}",
@@ -77,10 +77,10 @@ fn with_it_they_do() {
 
 #[test]
 fn free_space_stays_free_however_often_the_same_scan_comes() {
-    let setup = Setup::new(GRID, Arc::new(Stereo::default()));
+    let setup = Model::new(GRID, Arc::new(Stereo::default()));
     for seed in 0..3 {
         let scan = scan(110, seed);
-        let mut mapper = Lockstep::lateral(&setup, Lateral::default());
+        let mut mapper = FastVisibility::lateral(&setup, Lateral::default());
         for _ in 0..1000 {
             mapper.integrate(&scan);
         }

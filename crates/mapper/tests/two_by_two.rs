@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use grid::GridSpec;
-use mapper::catalogue::Setup;
 use mapper::{
-    Chain, ConventionalRule, Mapper, NoOcclusion, Prior, RayPosterior, Reconciliation, Visibility, no_occlusion,
+    Chain, ConventionalRule, Mapper, Model, NoOcclusion, Prior, RayPosterior, Reconciliation, Visibility, bayes,
+    no_occlusion,
 };
 use proptest::prelude::*;
-use sensor::{Pose, Scan, SensorModel as _, Stereo};
+use sensor::{Kernel as _, Pose, Scan, Stereo};
 
 /// Marginals by enumeration of the states of a chain, `weight(states)` being the likelihood of each,
 /// and the joint `P(E_j, E_{j+1})` of every pair.
@@ -44,14 +44,14 @@ prop_compose! {
 }
 
 /// A row of cells, a camera in the first, and one scan per reading.
-fn row(width: usize, prior: Prior, reconciliation: Reconciliation) -> Setup {
+fn row(width: usize, prior: Prior, reconciliation: Reconciliation) -> Model {
     let grid = GridSpec { cell_m: 0.2, origin_m: [0.0; 2], width, height: 1 };
-    Setup { prior, reconciliation, ..Setup::new(grid, Arc::new(Stereo::default())) }
+    Model { prior, reconciliation, ..Model::new(grid, Arc::new(Stereo::default())) }
 }
 
 fn scan(reading: f64) -> Scan {
     let pose = Pose { x_m: 0.05, y_m: 0.1, theta_rad: 0.0 };
-    Scan { time_s: 0.0, pose, bearings_rad: vec![0.0], readings: vec![Some(reading)] }
+    Scan { sensor: 0, time_s: 0.0, pose, bearings_rad: vec![0.0], readings: vec![Some(reading)] }
 }
 
 /// Ranges at which the ray of [`scan`] crosses the row.
@@ -91,8 +91,8 @@ proptest! {
             mapper.integrate(&scan(reading));
             let mut likelihood = vec![0.0; width];
             Stereo::default().likelihood(reading, 0.0, &ranges, &mut likelihood);
-            let beyond = mapper::beyond::Beyond { from_m: ranges[width], chord_m: 0.2, onset: occupancy };
-            let none = mapper::beyond::likelihood(&Stereo::default(), reading, 0.0, &beyond);
+            let beyond = mapper::past_the_map::PastTheMap { from_m: ranges[width], chord_m: 0.2, onset: occupancy };
+            let none = mapper::past_the_map::likelihood(&Stereo::default(), reading, 0.0, &beyond);
             let first = |states: u32| (0..width).find(|&j| states >> j & 1 == 1).map_or(none, |j| likelihood[j]);
             let (expected, _, _) = enumerate(&Chain::new(marginal, pairs), first);
             for (cell, (p, expected)) in mapper.occupancy().values().iter().zip(&expected).enumerate() {
@@ -116,7 +116,7 @@ fn without_correlation_no_occlusion_is_the_conventional_rule() {
     for (cell, &p) in chained.occupancy().values().iter().enumerate() {
         let rule = ConventionalRule::default();
         let likelihoods = rule.likelihoods(&Stereo::default(), 10.0, 0.0, ranges[cell], ranges[cell + 1]);
-        let alone = likelihoods.map_or(0.1, |l| ConventionalRule::posterior(0.1, l));
+        let alone = likelihoods.map_or(0.1, |l| bayes(0.1, l));
         assert!((p - alone).abs() < 1e-12, "cell {cell}: {p} {alone}");
     }
 }

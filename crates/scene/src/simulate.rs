@@ -63,7 +63,7 @@ fn scan(scene: &Scene, world: &World, at: &TimedPose, bearings_rad: &[f64], seed
         rng
     });
     let true_ranges_m = surfaces.iter().map(|surface| surface.map(|s| s.range_m)).collect();
-    let scan = Scan { time_s: at.time_s, pose: at.pose, bearings_rad: bearings_rad.to_vec(), readings };
+    let scan = Scan { sensor: 0, time_s: at.time_s, pose: at.pose, bearings_rad: bearings_rad.to_vec(), readings };
     SimulatedScan { scan, true_ranges_m }
 }
 

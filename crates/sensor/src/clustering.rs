@@ -90,7 +90,7 @@ impl Clustering {
         }
     }
 
-    /// The readings of one scan; [`Matcher::scan`] says how.
+    /// The readings of one scan; as [`Matcher::scan`] does.
     pub(crate) fn scan<R: Rng>(
         &self,
         matcher: &Matcher,

@@ -4,7 +4,7 @@
 //! There they are weights that are normalised for every beam; here they are what becomes of a pulse, so that the
 //! readings of a surface at any range add up to one as they are.
 
-mod check;
+pub(crate) mod check;
 mod curve;
 mod sample;
 #[cfg(test)]
@@ -13,10 +13,8 @@ mod tests;
 use serde::{Deserialize, Serialize};
 
 use crate::lanes::{Beams, LANES, Lanes};
-use crate::{Placement, SensorModel, normal};
-use curve::{Curve, Fill};
-
-pub use check::LaserError;
+use crate::{FastKernel, InverseModel, Kernel, Placement, normal};
+use curve::Curve;
 
 /// A laser range finder as a sensor model. A reading is a range in m, or `f64::INFINITY` where there was no echo.
 ///
@@ -89,7 +87,7 @@ impl Laser {
     }
 }
 
-impl SensorModel for Laser {
+impl Kernel for Laser {
     fn likelihood(&self, reading: f64, _bearing: f64, ranges: &[f64], likelihood: &mut [f64]) {
         debug_assert_eq!(ranges.len(), likelihood.len() + 1);
         let curve = Curve::new(self, reading);
@@ -97,32 +95,36 @@ impl SensorModel for Laser {
             *l = curve.mean(chord[0], chord[1]);
         }
     }
+}
 
+impl FastKernel for Laser {
     fn likelihood_lanes(&self, beams: &Beams, ranges: &[Lanes<f64>], likelihood: &mut [Lanes<f32>]) {
         debug_assert_eq!(ranges.len(), likelihood.len() + 1);
         let curves: [Curve; LANES] = std::array::from_fn(|l| Curve::new(self, beams.reading[l]));
-        pulp::Arch::new().dispatch(Fill { curves: &curves, ranges, likelihood });
+        curve::fill(&curves, ranges, likelihood);
     }
 
     /// Behind an echo, and behind the largest range for no echo.
-    fn settled_from(&self, reading: f64, _bearing: f64) -> f64 {
+    fn constant_from(&self, reading: f64, _bearing: f64) -> f64 {
         Curve::new(self, reading).until_m * (1.0 + 1e-9)
     }
 
     /// None behind an echo, and behind the largest range for no echo, whose probability is at most one before.
     fn spread_from(&self, reading: f64, bearing: f64, range: f64) -> f64 {
-        match range < self.settled_from(reading, bearing) {
+        match range < self.constant_from(reading, bearing) {
             true if reading.is_infinite() => 1.0,
             true => f64::INFINITY,
             false => 0.0,
         }
     }
 
-    fn steady(&self, reading: f64, _bearing: f64) -> [f64; 2] {
+    fn constant_between(&self, reading: f64, _bearing: f64) -> [f64; 2] {
         let curve = Curve::new(self, reading);
         [curve.mirror_m, curve.from_m]
     }
+}
 
+impl InverseModel for Laser {
     fn correct_match(&self) -> f64 {
         self.hit
     }
@@ -176,10 +178,5 @@ impl SensorModel for Laser {
     /// cell: with less, a cell that holds what was read could seem unlikely to have been read.
     fn half_bin(&self, cell_m: f64) -> f64 {
         self.range_sigma_m.max(0.5 * cell_m)
-    }
-
-    /// None without an echo.
-    fn range_of(&self, reading: f64, _bearing: f64) -> Option<f64> {
-        Some(reading).filter(|range| *range >= 0.0 && range.is_finite())
     }
 }

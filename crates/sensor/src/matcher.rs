@@ -144,7 +144,7 @@ mod tests {
 
     #[test]
     fn the_histogram_of_samples_is_the_likelihood() {
-        use crate::SensorModel as _;
+        use crate::InverseModel as _;
         let n = 200_000;
         let readings = samples(MATCHER, 1.5, 1.0, n);
         let near: Vec<f64> = readings.iter().flatten().copied().filter(|d| (d - 10.0).abs() < 2.5).collect();

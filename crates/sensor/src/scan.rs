@@ -14,6 +14,8 @@ pub struct Pose {
 /// One scan: a pose and one reading, or none, per bearing.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Scan {
+    /// Number of the sensor that took it, from 0; 0 where there is one.
+    pub sensor: usize,
     /// Time since the start of the run, s.
     pub time_s: f64,
     /// Where the sensor stood.

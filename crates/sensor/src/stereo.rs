@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::lanes::{Beams, Chords, Gaussian, Lanes, Points};
-use crate::{Placement, SensorModel, normal};
+use crate::gaussian::{self, Gaussian};
+use crate::lanes::{Beams, Lanes};
+use crate::{FastKernel, InverseModel, Kernel, Placement, normal};
 
 /// A stereo camera as a sensor model: disparity is Gaussian about `focal_baseline / depth` with
 /// probability `correct_match`, otherwise uniform over `0 ..= max_disparity`.
@@ -71,12 +72,12 @@ impl Stereo {
             sharpness: 1.0 / self.disparity_sigma,
             scale: (self.correct_match / self.disparity_sigma) as f32,
             floor: ((1.0 - self.correct_match) / self.max_disparity) as f32,
-            reach: self.reach() as f32,
+            reach: self.reach(),
         }
     }
 }
 
-impl SensorModel for Stereo {
+impl Kernel for Stereo {
     /// Eq. (21): `P(o | F_k) = P(T) g_k(o) + (1 - P(T)) / D`, in 1/px, where `g_k` is the Gaussian
     /// averaged over the chord, uniformly in disparity. A kernel taken at the centre of a cell
     /// would miss near readings: at 0.5 m a cell of 5 cm spans 3 px, six standard deviations.
@@ -96,12 +97,12 @@ impl SensorModel for Stereo {
             near = far;
         }
     }
+}
 
+impl FastKernel for Stereo {
     fn likelihood_lanes(&self, beams: &Beams, ranges: &[Lanes<f64>], likelihood: &mut [Lanes<f32>]) {
         debug_assert_eq!(ranges.len(), likelihood.len() + 1);
-        let (lanes, reach) = (self.lanes(beams), self.reach());
-        let exact = |low, high| normal::mean_density(low, high, reach);
-        pulp::Arch::new().dispatch(Chords { lanes: &lanes, ranges, likelihood, exact });
+        gaussian::chords(&self.lanes(beams), ranges, likelihood);
     }
 
     fn point_lanes(
@@ -111,8 +112,7 @@ impl SensorModel for Stereo {
         likelihood: &mut [Lanes<f32>],
         slope: &mut [Lanes<f32>],
     ) -> bool {
-        let lanes = self.lanes(beams);
-        pulp::Arch::new().dispatch(Points { lanes: &lanes, ranges, likelihood, slope });
+        gaussian::points(&self.lanes(beams), ranges, likelihood, slope);
         true
     }
 
@@ -122,7 +122,7 @@ impl SensorModel for Stereo {
     }
 
     /// Where the Gaussian of the farthest disparities no longer reaches the reading.
-    fn settled_from(&self, reading: f64, bearing: f64) -> f64 {
+    fn constant_from(&self, reading: f64, bearing: f64) -> f64 {
         let least = reading - self.reach() * self.disparity_sigma;
         let cosine = libm::cos(bearing);
         if least > 0.0 && cosine > 0.0 { self.focal_baseline / (least * cosine) } else { f64::INFINITY }
@@ -139,7 +139,9 @@ impl SensorModel for Stereo {
         let most = density(at.min(reading));
         self.correct_match / self.disparity_sigma * (most - density(0.0).min(density(at)))
     }
+}
 
+impl InverseModel for Stereo {
     fn correct_match(&self) -> f64 {
         self.correct_match
     }
@@ -265,8 +267,8 @@ mod tests {
             assert!((found[0] / expected - 1.0).abs() < 1e-4, "{sigmas}: {found:?} {expected}");
         }
         let impossible = Stereo { correct_match: 1.0, ..STEREO };
-        assert!(impossible.settled_from(10.0, 0.0).is_infinite(), "10 px are 20 sigma from infinity");
-        assert!(impossible.settled_from(20.0, 0.0).is_finite(), "20 px are 40");
+        assert!(impossible.constant_from(10.0, 0.0).is_infinite(), "10 px are 20 sigma from infinity");
+        assert!(impossible.constant_from(20.0, 0.0).is_finite(), "20 px are 40");
     }
 
     #[test]
@@ -305,7 +307,7 @@ mod tests {
         /// From there on it is that of false matches alone, to the bit, and just before it is not yet.
         #[test]
         fn settles_where_it_says(reading in 0.0f64..60.0, bearing in -1.0f64..1.0, further in 0.0f64..100.0) {
-            let from = STEREO.settled_from(reading, bearing);
+            let from = STEREO.constant_from(reading, bearing);
             let floor = (1.0 - STEREO.correct_match) / STEREO.max_disparity;
             if from.is_finite() {
                 let there = from * (1.0 + 1e-9) + further;
@@ -343,18 +345,23 @@ mod tests {
 
         #[test]
         fn what_is_clear_or_behind_needs_no_asking(
-            reading in 0.0f64..60.0, w in 0.01f64..2.0, bearing in -1.2f64..1.2, share in 0.0f64..1.0, chord in 0.0f64..0.1,
+            reading in 0.0f64..60.0, w in 0.01f64..2.0, bearing in -1.2f64..1.2, share in 0.0f64..1.0, part in 0.0f64..1.0,
         ) {
+            // Almost as far as the Gaussian of the farthest disparity reaches the bin, and not farther.
             let clear_m = STEREO.clear_until(reading, w, bearing);
-            let (enter, exit) = (share * (clear_m - chord).max(0.0), share * (clear_m - chord).max(0.0) + chord);
-            if exit <= clear_m {
-                prop_assert_eq!(STEREO.placement(reading, w, bearing, enter, exit), Placement::Nearer);
-                prop_assert_eq!(STEREO.bin_probability(reading, w, bearing, enter, exit).to_bits(), 0.0f64.to_bits());
-            }
+            let sigmas = |n: f64| STEREO.range(reading + w + n * STEREO.disparity_sigma, bearing);
+            prop_assert!(sigmas(8.6) < clear_m && clear_m < sigmas(8.5), "{clear_m}");
+            let enter = share * clear_m;
+            let exit = enter + part * (clear_m - enter);
+            prop_assert_eq!(STEREO.placement(reading, w, bearing, enter, exit), Placement::Nearer);
+            prop_assert_eq!(STEREO.bin_probability(reading, w, bearing, enter, exit).to_bits(), 0.0f64.to_bits());
             let behind_m = STEREO.behind_from(reading, w, bearing);
+            prop_assert_eq!(behind_m.is_finite(), reading > w);
             if behind_m.is_finite() {
                 let from = behind_m * (1.0 + 1e-12) + share;
-                prop_assert_eq!(STEREO.placement(reading, w, bearing, from, from + chord), Placement::Behind);
+                prop_assert_eq!(STEREO.placement(reading, w, bearing, from, from + part), Placement::Behind);
+                let before = behind_m * (1.0 - 1e-8);
+                prop_assert_eq!(STEREO.placement(reading, w, bearing, before, before), Placement::Within);
             }
         }
 

@@ -14,7 +14,7 @@ pub use options::ReplayOptions;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use mapper::catalogue::Setup;
+use mapper::Model;
 
 use self::extent::Survey;
 use self::predictions::Predictions;
@@ -58,10 +58,10 @@ pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
         )));
     }
     let grid = survey.grid(options.grid)?;
-    let setup = Setup {
+    let setup = Model {
         prior: options.prior.prior(),
         reconciliation: options.prior.reconciliation(),
-        ..Setup::new(grid, sensor)
+        ..Model::new(grid, sensor)
     };
     let out = options.out();
     let reads: Vec<&Path> =

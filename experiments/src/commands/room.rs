@@ -14,7 +14,8 @@ pub use options::RoomOptions;
 use std::path::Path;
 use std::time::Instant;
 
-use mapper::catalogue::{Entry, Setup};
+use mapper::Model;
+use mapper::catalogue::Entry;
 use rayon::prelude::*;
 
 use self::plan::RoomPlan;
@@ -83,7 +84,7 @@ fn trials(
     ground: &Ground,
     seeds: &[u64],
     mappers: &[&Entry],
-    setup: &Setup,
+    setup: &Model,
     frames: &[usize],
 ) -> Result<Vec<Trial>, Failure> {
     let names: Vec<&str> = mappers.iter().map(|entry| entry.name).collect();

@@ -12,7 +12,7 @@ pub mod tables;
 
 pub use options::SpeedOptions;
 
-use mapper::catalogue::Setup;
+use mapper::Model;
 use std::path::{Path, PathBuf};
 
 use self::growth::Sizes;
@@ -86,7 +86,7 @@ pub fn run(options: &SpeedOptions) -> Result<(), Failure> {
 }
 
 /// The map, the belief, and what the scans ask of every mapper.
-fn conditions(options: &SpeedOptions, set: &ScanSet) -> Result<(Setup, Conditions), Failure> {
+fn conditions(options: &SpeedOptions, set: &ScanSet) -> Result<(Model, Conditions), Failure> {
     let source = match &options.scans {
         Some(path) => path.display().to_string(),
         None => "a drive round a hall of 40 m by 40 m with boxes".to_owned(),
@@ -100,7 +100,7 @@ fn conditions(options: &SpeedOptions, set: &ScanSet) -> Result<(Setup, Condition
             set.rays()
         )));
     }
-    let setup = Setup::new(grid, set.sensor());
+    let setup = Model::new(grid, set.sensor());
     let processor = processor::name();
     let conditions = Conditions { source, scans: set.scans.len(), visited, grid, repeats: options.repeats, processor };
     Ok((setup, conditions))

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use grid::Raster;
-use mapper::Mapper;
-use mapper::catalogue::{Entry, Kind, Setup};
+use mapper::catalogue::{Entry, Kind};
+use mapper::{Mapper, Model, Sensors};
 use rayon::prelude::*;
 use scene::{Drive, Scene, SimulatedScan, Simulation, World};
 use score::{Metric, Region, Retention, Scorer, Sight, Sightings, log_loss};
@@ -143,14 +143,14 @@ impl Ground {
         &self,
         seed: u64,
         mappers: &[&Entry],
-        setup: &Setup,
+        setup: &Model,
         keep: &Keep,
         watch: &(impl Fn(usize, Option<&Moment>) + Sync),
     ) -> Result<Trial, Failure> {
         let simulation = scene::simulate(&self.scene, &self.world, &self.drive, seed);
         let mut seen = Sightings::new(&self.truth);
         let mut reached = Vec::new();
-        let sharp = Setup { sensor: Arc::new(self.sharp()), ..setup.clone() };
+        let sharp = Model { sensors: Sensors::one(Arc::new(self.sharp())), ..setup.clone() };
         let setup = |entry: &Entry| if entry.kind == Kind::NoiseFree { &sharp } else { setup };
         let mut walks: Vec<Walk> = mappers.iter().map(|entry| Walk::new(entry, setup(entry), &self.truth)).collect();
         let noise_free = mappers.iter().any(|entry| entry.kind == Kind::NoiseFree);
@@ -231,7 +231,7 @@ struct Walk {
 }
 
 impl Walk {
-    fn new(entry: &Entry, setup: &Setup, truth: &Raster<Option<bool>>) -> Self {
+    fn new(entry: &Entry, setup: &Model, truth: &Raster<Option<bool>>) -> Self {
         let run = Run { mapper: entry.name, stages: Vec::new(), timeline: Vec::new(), frames: Vec::new() };
         Self { kind: entry.kind, mapper: (entry.build)(setup), retention: Retention::new(truth), run }
     }

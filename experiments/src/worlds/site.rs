@@ -3,7 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use mapper::catalogue::Setup;
+use mapper::Model;
 use mapper::{Prior, Reconciliation, Tuning};
 use scene::{Family, Scene, Variation};
 use sensor::Stereo;
@@ -48,7 +48,7 @@ pub struct Site {
     /// What is mapped.
     pub ground: Ground,
     /// What the mappers start from.
-    pub setup: Setup,
+    pub setup: Model,
 }
 
 impl WorldId {
@@ -89,7 +89,7 @@ impl Site {
     pub fn of(mut scene: Scene, condition: &Condition, assumed: &Assumptions) -> Result<Self, Failure> {
         let Assumptions { prior, reconciliation, tuning, camera } = assumed.clone();
         let camera = Arc::new(camera.unwrap_or(scene.matcher.stereo));
-        let setup = Setup { prior, reconciliation, tuning, ..Setup::new(scene.grid, camera) };
+        let setup = Model { prior, reconciliation, tuning, ..Model::new(scene.grid, camera) };
         (condition.camera)(&mut scene.matcher);
         Ok(Self { ground: Ground::new(scene, prior.occupancy)?, setup })
     }

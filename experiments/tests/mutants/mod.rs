@@ -3,10 +3,12 @@
 use std::sync::Arc;
 
 use grid::{DigitalLine, Raster};
-use mapper::beyond::{self, Beyond};
-use mapper::catalogue::{Entry, Kind, Setup};
-use mapper::{Chain, Mapper, Moments, PairwiseGrid, Prior, RayPosterior, Reconciliation, Visibility, exact};
-use sensor::{Placement, Scan, SensorModel};
+use mapper::catalogue::{Entry, Kind};
+use mapper::past_the_map::{self, PastTheMap};
+use mapper::{
+    Chain, Mapper, Model, Moments, PairwiseGrid, Prior, RayPosterior, Reconciliation, Sensors, Visibility, exact,
+};
+use sensor::{FastKernel, InverseModel, Kernel, Scan, SensorModel};
 
 /// Every mutant, named after what it replaces: gates judge it as they would judge a change of `visibility`.
 pub(crate) const MUTANTS: [(&str, Entry); 4] = [
@@ -16,12 +18,12 @@ pub(crate) const MUTANTS: [(&str, Entry); 4] = [
     ("kernel sampled at cell centres", mutant(|setup| Box::new(Visibility::exact(&at_centres(setup))))),
 ];
 
-const fn mutant(build: fn(&Setup) -> Box<dyn Mapper>) -> Entry {
+const fn mutant(build: fn(&Model) -> Box<dyn Mapper>) -> Entry {
     Entry { name: "visibility", summary: "a mutant", source: "tests", kind: Kind::Online, build }
 }
 
-fn without_correlation(setup: &Setup) -> Setup {
-    Setup { prior: Prior { correlation: 0.0, ..setup.prior }, ..setup.clone() }
+fn without_correlation(setup: &Model) -> Model {
+    Model { prior: Prior { correlation: 0.0, ..setup.prior }, ..setup.clone() }
 }
 
 /// The ray ends with the map: it hits one of its cells, whatever it reads.
@@ -29,64 +31,46 @@ fn without_tail(chain: &Chain, likelihood: &[f64], _none: f64, posterior: &mut R
     exact::posterior(chain, likelihood, 0.0, posterior);
 }
 
-fn at_centres(setup: &Setup) -> Setup {
-    Setup { sensor: Arc::new(AtCentres(Arc::clone(&setup.sensor))), ..setup.clone() }
+fn at_centres(setup: &Model) -> Model {
+    let centres = |sensor: &Arc<dyn SensorModel>| Arc::new(AtCentres(Arc::clone(sensor))) as Arc<dyn SensorModel>;
+    Model { sensors: Sensors::new(setup.sensors.iter().map(centres).collect()), ..setup.clone() }
 }
 
 /// A sensor whose kernel is taken at the middle of a chord instead of averaged over it.
 struct AtCentres(Arc<dyn SensorModel>);
 
-impl SensorModel for AtCentres {
+impl Kernel for AtCentres {
     fn likelihood(&self, reading: f64, bearing: f64, ranges: &[f64], likelihood: &mut [f64]) {
         for (l, chord) in likelihood.iter_mut().zip(ranges.windows(2)) {
             let middle = 0.5 * (chord[0] + chord[1]);
             self.0.likelihood(reading, bearing, &[middle; 2], std::slice::from_mut(l));
         }
     }
+}
 
-    fn settled_from(&self, reading: f64, bearing: f64) -> f64 {
-        self.0.settled_from(reading, bearing)
-    }
-
-    fn correct_match(&self) -> f64 {
-        self.0.correct_match()
-    }
-
-    fn placement(&self, reading: f64, half_width: f64, bearing: f64, enter: f64, exit: f64) -> Placement {
-        self.0.placement(reading, half_width, bearing, enter, exit)
-    }
-
-    fn bin_probability(&self, reading: f64, half_width: f64, bearing: f64, enter: f64, exit: f64) -> f64 {
-        self.0.bin_probability(reading, half_width, bearing, enter, exit)
-    }
-
-    fn false_match_probability(&self, reading: f64, half_width: f64) -> f64 {
-        self.0.false_match_probability(reading, half_width)
-    }
-
-    fn half_bin(&self, cell_m: f64) -> f64 {
-        self.0.half_bin(cell_m)
-    }
-
-    fn range_of(&self, reading: f64, bearing: f64) -> Option<f64> {
-        self.0.range_of(reading, bearing)
+impl FastKernel for AtCentres {
+    fn constant_from(&self, reading: f64, bearing: f64) -> f64 {
+        self.0.constant_from(reading, bearing)
     }
 }
+
+/// `visibility` asks nothing of this.
+impl InverseModel for AtCentres {}
 
 /// Rays that never agree: each is updated from the map before the scan, and writes what it found over what other rays of the scan did.
 struct Unreconciled {
     pairs: PairwiseGrid,
-    sensor: Arc<dyn SensorModel>,
+    sensors: Sensors,
     onset: f64,
     moments: Moments,
 }
 
 impl Unreconciled {
-    fn new(setup: &Setup) -> Self {
+    fn new(setup: &Model) -> Self {
         let pairs = PairwiseGrid::prior(setup.grid, &setup.prior);
         let unseen = pairs.joint(0, 1);
         let onset = unseen.fe / (1.0 - unseen.first());
-        Self { sensor: Arc::clone(&setup.sensor), onset, moments: Moments::new(setup.grid), pairs }
+        Self { sensors: setup.sensors.clone(), onset, moments: Moments::new(setup.grid), pairs }
     }
 }
 
@@ -94,6 +78,7 @@ impl Mapper for Unreconciled {
     fn integrate(&mut self, scan: &Scan) {
         let before = self.pairs.clone();
         let spec = *before.spec();
+        let sensor = &**self.sensors.of(scan);
         let (mut line, mut chain, mut posterior) = (DigitalLine::default(), Chain::default(), RayPosterior::default());
         for ray in scan.rays() {
             let Some(reading) = ray.reading else { continue };
@@ -103,9 +88,9 @@ impl Mapper for Unreconciled {
             }
             chain.gather(&before, line.cells());
             let mut likelihood = vec![0.0; line.len()];
-            self.sensor.likelihood(reading, ray.bearing_rad, line.ranges(), &mut likelihood);
-            let beyond = Beyond::after(&line, ray.direction, spec.cell_m, self.onset);
-            let none = beyond::likelihood(&*self.sensor, reading, ray.bearing_rad, &beyond);
+            sensor.likelihood(reading, ray.bearing_rad, line.ranges(), &mut likelihood);
+            let beyond = PastTheMap::after(&line, ray.direction, spec.cell_m, self.onset);
+            let none = past_the_map::likelihood(sensor, reading, ray.bearing_rad, &beyond);
             exact::posterior(&chain, &likelihood, none, &mut posterior);
             self.moments.add(line.cells(), &posterior);
             self.pairs.reconcile(&mut self.moments, Reconciliation::Touched); // of one ray: its posterior, as it is

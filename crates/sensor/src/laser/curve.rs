@@ -1,10 +1,8 @@
-//! What one reading of a laser says of a surface at every range: two levels, with a bump between.
-
-use pulp::{Simd, WithSimd};
+//! The likelihood of one reading of a laser for a surface at every range: two levels, with a bump between.
 
 use super::Laser;
 use crate::lanes::{Lanes, each};
-use crate::normal;
+use crate::{in_lanes, normal};
 
 /// Density of surfaces, as a share of that of all else, that counts as nothing.
 const NEGLIGIBLE: f64 = 1e-11;
@@ -74,37 +72,31 @@ fn reach(most: f64, floor: f64) -> f64 {
     reach.clamp(normal::REACH, normal::FARTHEST)
 }
 
-/// [`Curve::mean`] of one curve per lane, with what the processor has.
-///
-/// All but a few chords of a ray lie on a level. Those are told apart in whole vectors; the rest, next to the reading,
-/// are as in double precision, one by one.
-pub(super) struct Fill<'a> {
-    pub(super) curves: &'a Lanes<Curve>,
-    pub(super) ranges: &'a [Lanes<f64>],
-    pub(super) likelihood: &'a mut [Lanes<f32>],
+in_lanes! {
+    /// [`Curve::mean`] of one curve per lane, in lanes.
+    pub(super) fn fill<'a>(curves: &'a Lanes<Curve>, ranges: &'a [Lanes<f64>], likelihood: &'a mut [Lanes<f32>]) {
+        fill_levels(curves, ranges, likelihood);
+    }
 }
 
-impl WithSimd for Fill<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let Self { curves, ranges, likelihood } = self;
-        let from_m = each(|l| curves[l].from_m);
-        let until_m = each(|l| curves[l].until_m);
-        let mirror_m = each(|l| curves[l].mirror_m);
-        let front = each(|l| curves[l].floor);
-        let behind = each(|l| curves[l].floor + curves[l].step);
-        for (out, chord) in likelihood.iter_mut().zip(ranges.windows(2)) {
-            let (enter, exit) = (chord[0], chord[1]);
-            let level = each(|l| if enter[l] > until_m[l] { behind[l] } else { front[l] });
-            *out = each(|l| level[l] as f32);
-            let between = each(|l| if enter[l] <= until_m[l] { 1.0 } else { 0.0 });
-            let between = each(|l| if exit[l] >= from_m[l] { between[l] } else { 0.0 });
-            let between = each(|l| if enter[l] <= mirror_m[l] { 1.0 } else { between[l] });
-            if between.iter().sum::<f64>() > 0.0 {
-                one_by_one(curves, &between, &enter, &exit, out);
-            }
+/// All but a few chords of a ray lie on a level. Those are told apart in whole vectors; the rest, next to the reading,
+/// are as in double precision, one by one.
+#[inline(always)]
+fn fill_levels(curves: &Lanes<Curve>, ranges: &[Lanes<f64>], likelihood: &mut [Lanes<f32>]) {
+    let from_m = each(|l| curves[l].from_m);
+    let until_m = each(|l| curves[l].until_m);
+    let mirror_m = each(|l| curves[l].mirror_m);
+    let front = each(|l| curves[l].floor);
+    let behind = each(|l| curves[l].floor + curves[l].step);
+    for (out, chord) in likelihood.iter_mut().zip(ranges.windows(2)) {
+        let (enter, exit) = (chord[0], chord[1]);
+        let level = each(|l| if enter[l] > until_m[l] { behind[l] } else { front[l] });
+        *out = each(|l| level[l] as f32);
+        let between = each(|l| if enter[l] <= until_m[l] { 1.0 } else { 0.0 });
+        let between = each(|l| if exit[l] >= from_m[l] { between[l] } else { 0.0 });
+        let between = each(|l| if enter[l] <= mirror_m[l] { 1.0 } else { between[l] });
+        if between.iter().sum::<f64>() > 0.0 {
+            one_by_one(curves, &between, &enter, &exit, out);
         }
     }
 }

@@ -27,7 +27,7 @@ impl Laser {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::SensorModel as _;
+    use crate::Kernel as _;
     use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
 
     /// Chi square over bins of readings, and no echo: above its 99.9 % point once in a thousand seeds.

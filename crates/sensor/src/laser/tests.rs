@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::lanes::one_by_one;
+use crate::fast_kernel::one_by_one;
 
 const NOTHING: f64 = f64::INFINITY;
 
@@ -189,7 +189,7 @@ proptest! {
     /// From there on it is one value, to the bit, and just before it is not yet.
     #[test]
     fn settles_where_it_says((laser, reading) in lasers_and_readings(), further in 0.0f64..100.0) {
-        let from = laser.settled_from(reading, 0.0);
+        let from = laser.constant_from(reading, 0.0);
         let there = from * (1.0 + 1e-9) + further;
         let settled = likelihood(&laser, reading, 1e6, 1e6);
         prop_assert_eq!(likelihood(&laser, reading, there, there + 0.05).to_bits(), settled.to_bits());
@@ -201,7 +201,7 @@ proptest! {
 
     #[test]
     fn is_steady_where_it_says((laser, reading) in lasers_and_readings(), a in 0.0f64..1.0, b in 0.0f64..1.0, c in 0.0f64..1.0) {
-        let [from, until] = laser.steady(reading, 0.0);
+        let [from, until] = laser.constant_between(reading, 0.0);
         let within = |share: f64| from + share * (until - from) * (1.0 - 1e-12);
         if from < until {
             let level = likelihood(&laser, reading, within(a), within(a));
@@ -243,16 +243,22 @@ proptest! {
 
     #[test]
     fn what_is_clear_or_behind_needs_no_asking(
-        (laser, reading) in lasers_and_readings(), w in 0.01f64..2.0, share in 0.0f64..1.0, chord in 0.0f64..0.1,
+        (laser, reading) in lasers_and_readings(), w in 0.01f64..2.0, share in 0.0f64..1.0, part in 0.0f64..1.0,
     ) {
         let clear_m = laser.clear_until(reading, w, 0.0);
-        let enter = share * (clear_m - chord).max(0.0);
-        if enter + chord <= clear_m && clear_m > 0.0 {
-            prop_assert_eq!(laser.placement(reading, w, 0.0, enter, enter + chord), Placement::Nearer);
-            prop_assert_eq!(laser.bin_probability(reading, w, 0.0, enter, enter + chord).to_bits(), 0.0f64.to_bits());
+        let near_m = if reading.is_finite() { reading - w } else { laser.max_range_m };
+        prop_assert!(clear_m >= near_m - 8.6 * laser.range_sigma_m, "{clear_m}: all that could be");
+        if clear_m > 0.0 {
+            let enter = share * clear_m;
+            let exit = enter + part * (clear_m - enter);
+            prop_assert_eq!(laser.placement(reading, w, 0.0, enter, exit), Placement::Nearer);
+            prop_assert_eq!(laser.bin_probability(reading, w, 0.0, enter, exit).to_bits(), 0.0f64.to_bits());
         }
-        let from = laser.behind_from(reading, w, 0.0) * (1.0 + 1e-12) + share;
-        prop_assert_eq!(laser.placement(reading, w, 0.0, from, from + chord), Placement::Behind);
+        let behind_m = laser.behind_from(reading, w, 0.0);
+        let from = behind_m * (1.0 + 1e-12) + share;
+        prop_assert_eq!(laser.placement(reading, w, 0.0, from, from + part), Placement::Behind);
+        let end_m = if reading.is_finite() { reading + w } else { laser.max_range_m };
+        prop_assert!(behind_m <= end_m * (1.0 + 1e-8), "{behind_m}: no farther than need be");
     }
 
     #[test]

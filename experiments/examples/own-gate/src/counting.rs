@@ -1,11 +1,9 @@
 //! A mapper of your own: count how often each cell was passed and how often it was hit.
 
-use std::sync::Arc;
-
 use grid::{DigitalLine, Raster};
-use mapper::Mapper;
-use mapper::catalogue::{Entry, Kind, Setup};
-use sensor::{Scan, SensorModel};
+use mapper::catalogue::{Entry, Kind};
+use mapper::{Mapper, Model, Sensors};
+use sensor::Scan;
 
 /// How gates call the mapper, and how they make one.
 pub(crate) const COUNTING: Entry = Entry {
@@ -20,18 +18,18 @@ struct Counting {
     occupancy: Raster<f64>,
     looks: Vec<[f64; 2]>, // passed, hit
     prior: f64,
-    sensor: Arc<dyn SensorModel>,
+    sensors: Sensors,
     line: DigitalLine,
 }
 
 impl Counting {
-    fn new(setup: &Setup) -> Self {
+    fn new(setup: &Model) -> Self {
         let prior = setup.prior.occupancy;
         Self {
             occupancy: Raster::filled(setup.grid, prior),
             looks: vec![[0.0; 2]; setup.grid.cells()],
             prior,
-            sensor: Arc::clone(&setup.sensor),
+            sensors: setup.sensors.clone(),
             line: DigitalLine::default(),
         }
     }
@@ -39,8 +37,9 @@ impl Counting {
 
 impl Mapper for Counting {
     fn integrate(&mut self, scan: &Scan) {
+        let sensor = self.sensors.of(scan);
         for ray in scan.rays() {
-            let range_m = ray.reading.and_then(|reading| self.sensor.range_of(reading, ray.bearing_rad));
+            let range_m = ray.reading.and_then(|reading| sensor.range_of(reading, ray.bearing_rad));
             let Some(range_m) = range_m else { continue };
             self.line.trace(self.occupancy.spec(), ray.origin_m, ray.direction, range_m);
             for (k, &cell) in self.line.cells().iter().enumerate() {

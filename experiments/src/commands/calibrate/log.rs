@@ -4,8 +4,7 @@ use std::sync::Arc;
 
 use grid::GridSpec;
 use logs::{Log, Sensor};
-use mapper::catalogue::Setup;
-use mapper::{Belief, Lockstep, Predictive, Prior};
+use mapper::{Belief, FastVisibility, Model, Predictive, Prior};
 use sensor::{Laser, Scan, SensorModel, Stereo};
 
 use super::calibration::Calibration;
@@ -183,8 +182,8 @@ fn setting(sensor: Sensor, options: &CalibrateOptions, values: &[f64]) -> Option
 
 /// `-ln P` of every second scan by the map of the others, and its number of readings.
 fn predicted(scans: &[Scan], grid: GridSpec, sensor: Arc<dyn SensorModel>, prior: Prior) -> Vec<(f64, u64)> {
-    let setup = Setup { prior, ..Setup::new(grid, Arc::clone(&sensor)) };
-    let mut map = Lockstep::visibility(&setup);
+    let setup = Model { prior, ..Model::new(grid, Arc::clone(&sensor)) };
+    let mut map = FastVisibility::visibility(&setup);
     scans.iter().step_by(2).for_each(|scan| map.integrate_on(scan, 1));
     let pairs = map.pairs();
     let mut predictive = Predictive::new(grid, &*sensor, prior.onset(grid.cell_m));

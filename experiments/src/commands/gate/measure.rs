@@ -3,7 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use mapper::catalogue::{Entry, Setup};
+use mapper::Model;
+use mapper::catalogue::Entry;
 
 use super::file::{Demand, Gate, Gates};
 use crate::failure::{Failure, panic_text};
@@ -113,7 +114,7 @@ pub fn measure(gates: &Gates, known: &[Entry], stream: u32, threads: usize) -> R
 /// The values of one mapper on one world, or why there are none.
 fn values(
     ground: &Ground,
-    setup: &Setup,
+    setup: &Model,
     entry: &Entry,
     world: &WorldId,
     stream: u32,

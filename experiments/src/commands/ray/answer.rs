@@ -1,6 +1,6 @@
 //! What every rule makes of the reading.
 
-use mapper::{Chain, ConventionalRule, Joint, RayPosterior, exact, printed};
+use mapper::{Chain, ConventionalRule, Joint, RayPosterior, bayes, exact, printed};
 use serde::Serialize;
 
 use super::{ViewingRay, no_hit};
@@ -74,11 +74,8 @@ fn conventional(ray: &ViewingRay) -> Answer {
     let rule = ConventionalRule::default();
     let update = |(k, &p): (usize, &f64)| {
         let (enter, exit) = (ray.enters_m(k), ray.enters_m(k + 1));
-        let Some([occupied, free]) = rule.likelihoods(&ray.stereo, ray.observation_px, 0.0, enter, exit) else {
-            return p;
-        };
-        let (yes, no) = (occupied * p, free * (1.0 - p));
-        if yes + no > 0.0 { yes / (yes + no) } else { p }
+        let likelihoods = rule.likelihoods(&ray.stereo, ray.observation_px, 0.0, enter, exit);
+        likelihoods.map_or(p, |likelihoods| bayes(p, likelihoods))
     };
     let posterior = ray.prior.iter().enumerate().map(update).collect();
     answer(ray, posterior, None, None)

@@ -1,7 +1,7 @@
 //! The likelihood of the reading where the ray hits none of its cells.
 
-use mapper::beyond::{self, Beyond};
-use sensor::SensorModel as _;
+use mapper::past_the_map::{self, PastTheMap};
+use sensor::Kernel as _;
 
 use super::ViewingRay;
 
@@ -16,7 +16,7 @@ const BLOCK: usize = 256;
 /// `P(o | no cell of the ray is occupied)`, 1/px: the value given, or the sum over the cells past the end, the m-th of which is hit
 /// with probability `u0 (1 - u0)^m`, until a mass of 1e-9 is left.
 ///
-/// [`beyond::likelihood`] of the mappers takes longer steps in the far tail, good to 1e-5 of the value. Here every cell counts,
+/// [`past_the_map::likelihood`] of the mappers takes longer steps in the far tail, good to 1e-5 of the value. Here every cell counts,
 /// but for a world with an obstacle in less than 2e-6 of its cells. A world without any is seen as one whose obstacles are infinitely far.
 pub(super) fn likelihood(ray: &ViewingRay) -> f64 {
     if let Some(given) = ray.no_hit_likelihood {
@@ -30,8 +30,8 @@ pub(super) fn likelihood(ray: &ViewingRay) -> f64 {
         return far[0];
     }
     if libm::log(REST) / libm::log1p(-onset) > ONE_BY_ONE {
-        let beyond = Beyond { from_m: ray.enters_m(ray.cells()), chord_m: ray.cell_size_m, onset };
-        return beyond::likelihood(&ray.stereo, ray.observation_px, 0.0, &beyond);
+        let beyond = PastTheMap { from_m: ray.enters_m(ray.cells()), chord_m: ray.cell_size_m, onset };
+        return past_the_map::likelihood(&ray.stereo, ray.observation_px, 0.0, &beyond);
     }
     let mut ranges = [0.0; BLOCK + 1];
     let (mut mass, mut sum, mut first) = (1.0, 0.0, ray.cells());
@@ -63,8 +63,8 @@ mod tests {
     fn agrees_with_what_the_mappers_use() {
         for observation in [0.5, 1.0, 3.0, 20.0] {
             let ray = ray(observation, 0.1, 0.871);
-            let beyond = Beyond { from_m: ray.enters_m(12), chord_m: 0.05, onset: 0.0129 };
-            let mappers = beyond::likelihood(&ray.stereo, observation, 0.0, &beyond);
+            let beyond = PastTheMap { from_m: ray.enters_m(12), chord_m: 0.05, onset: 0.0129 };
+            let mappers = past_the_map::likelihood(&ray.stereo, observation, 0.0, &beyond);
             // They follow the last 1e-9 too, which is where a reading of half a pixel is likely.
             assert!((likelihood(&ray) / mappers - 1.0).abs() < 1e-7, "{observation}");
         }

@@ -1,7 +1,7 @@
 //! One viewing ray and one reading: all that its posterior depends on.
 
 use mapper::Chain;
-use sensor::{SensorModel as _, Stereo};
+use sensor::{Kernel as _, Stereo};
 
 /// Most cells of a ray.
 pub const MOST_CELLS: usize = 100_000;

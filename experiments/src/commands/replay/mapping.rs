@@ -2,7 +2,8 @@
 
 use grid::Raster;
 use logs::Sensor;
-use mapper::catalogue::{Entry, Setup};
+use mapper::Model;
+use mapper::catalogue::Entry;
 use mapper::{Mapper, PairwiseGrid};
 use rayon::prelude::*;
 use sensor::Scan;
@@ -42,7 +43,7 @@ pub(super) fn map(
     survey: &Survey,
     hold_out: u64,
     entries: &[&'static Entry],
-    setup: &Setup,
+    setup: &Model,
 ) -> Result<Maps, Failure> {
     let progress = Count::scans(survey.kept);
     let mut mappers: Vec<Box<dyn Mapper>> = entries.iter().map(|entry| (entry.build)(setup)).collect();
@@ -55,7 +56,7 @@ pub(super) fn map(
     let mut take = |batch: &mut Vec<Scan>, mappers: &mut [Box<dyn Mapper>]| {
         rayon::join(
             || mappers.par_iter_mut().for_each(|mapper| batch.iter().for_each(|scan| mapper.integrate(scan))),
-            || batch.iter().for_each(|scan| seen.add(scan, &*setup.sensor)),
+            || batch.iter().for_each(|scan| seen.add(scan, &**setup.sensors.of(scan))),
         );
         batch.clear();
     };

@@ -5,7 +5,8 @@ use std::io::Write as _;
 
 use grid::Raster;
 use logs::{Report, Sensor};
-use mapper::catalogue::{Entry, Setup};
+use mapper::Model;
+use mapper::catalogue::Entry;
 use score::SeriesMean;
 use serde_json::{Value, json};
 
@@ -26,7 +27,7 @@ use crate::page::{self, Page, Part, Picture, Section, Sheet};
 pub(super) struct Told<'a> {
     pub(super) options: &'a ReplayOptions,
     pub(super) survey: &'a Survey,
-    pub(super) setup: &'a Setup,
+    pub(super) setup: &'a Model,
     pub(super) maps: &'a Maps,
     pub(super) predictions: &'a Predictions,
 }

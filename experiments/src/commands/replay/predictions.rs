@@ -1,7 +1,6 @@
 //! How well maps predict the scans that were kept back.
 
-use mapper::catalogue::Setup;
-use mapper::{Belief, Predictive};
+use mapper::{Belief, Model, Predictive};
 use rayon::prelude::*;
 use score::{SeriesMean, series_mean};
 use sensor::Scan;
@@ -34,7 +33,7 @@ pub(super) struct Prediction {
 
 impl Predictions {
     /// Predicts every reading of the scans kept back by every map.
-    pub(super) fn of(recording: &Recording, hold_out: u64, maps: &Maps, setup: &Setup) -> Result<Self, Failure> {
+    pub(super) fn of(recording: &Recording, hold_out: u64, maps: &Maps, setup: &Model) -> Result<Self, Failure> {
         let beliefs: Vec<(String, Belief)> = maps
             .maps
             .iter()
@@ -46,7 +45,7 @@ impl Predictions {
             .collect();
         let onset = setup.prior.onset(setup.grid.cell_m);
         let losses = |scan: &Scan| {
-            let mut predictive = Predictive::new(setup.grid, &*setup.sensor, onset);
+            let mut predictive = Predictive::new(setup.grid, &**setup.sensors.of(scan), onset);
             let (mut sums, mut readings) = (vec![0.0; beliefs.len()], 0);
             for ray in scan.rays() {
                 if predictive.take(&ray) {

@@ -1,6 +1,7 @@
 //! What a room is mapped by.
 
-use mapper::catalogue::{Entry, Setup};
+use mapper::Model;
+use mapper::catalogue::Entry;
 
 use super::options::RoomOptions;
 use crate::failure::Failure;
@@ -14,7 +15,7 @@ use crate::worlds::site::{Assumptions, Site};
 pub(super) struct RoomPlan {
     pub(super) ground: Ground,
     pub(super) mappers: Vec<&'static Entry>,
-    pub(super) setup: Setup,
+    pub(super) setup: Model,
     /// Scans after which the report shows the maps.
     pub(super) frames: Vec<usize>,
 }

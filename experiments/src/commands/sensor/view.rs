@@ -1,7 +1,7 @@
 //! A camera, and what its readings say.
 
 use scene::Scene;
-use sensor::{SensorModel as _, Stereo};
+use sensor::{InverseModel as _, Kernel as _, Stereo};
 
 use crate::output::table::{Table, aligned, rounded};
 use crate::worlds::claims::{self, Claim};

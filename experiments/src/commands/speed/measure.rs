@@ -3,8 +3,9 @@
 use std::hint::black_box;
 use std::time::Instant;
 
+use mapper::Model;
 use mapper::Work;
-use mapper::catalogue::{Entry, Kind, Setup};
+use mapper::catalogue::{Entry, Kind};
 
 use super::scans::{ScanSet, Visited};
 use crate::failure::Failure;
@@ -33,7 +34,7 @@ pub fn rotated<T>(mappers: &[T], repeat: usize) -> impl Iterator<Item = (usize, 
 /// A mapper that counts its cells and did fewer than the rays ask for: its time would be worth nothing.
 pub fn measure(
     entries: &[&'static Entry],
-    setup: &Setup,
+    setup: &Model,
     set: &ScanSet,
     visited: &Visited,
     repeats: usize,
@@ -53,7 +54,7 @@ pub fn measure(
 }
 
 /// One map from all scans: time, s, without that for the unseen map, and work.
-fn once(entry: &Entry, setup: &Setup, set: &ScanSet) -> (f64, Work) {
+fn once(entry: &Entry, setup: &Model, set: &ScanSet) -> (f64, Work) {
     let mut mapper = (entry.build)(setup);
     let start = Instant::now();
     set.scans.iter().for_each(|scan| mapper.integrate(scan));
@@ -140,13 +141,13 @@ mod tests {
         build: |setup| Box::new(Lazy { occupancy: Raster::filled(setup.grid, 0.5), cells: 0 }),
     };
 
-    fn set() -> (ScanSet, Setup) {
+    fn set() -> (ScanSet, Model) {
         let mut set = ScanSet::default();
         set.begin(Pose::default());
         [-0.5, 0.0, 0.5].into_iter().for_each(|bearing| set.ray(bearing, Some(2.0)));
         let grid = set.grid(0.1).expect("small");
         let sensor = Arc::new(Stereo::default());
-        (set, Setup::new(grid, sensor))
+        (set, Model::new(grid, sensor))
     }
 
     #[test]

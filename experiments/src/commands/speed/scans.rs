@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use clap::ValueEnum;
 use grid::{DigitalLine, GridSpec};
-use sensor::{Laser, Pose, Scan, SensorModel, Stereo};
+use sensor::{InverseModel as _, Laser, Pose, Scan, SensorModel, Stereo};
 
 /// The map reaches so much farther than all poses and ranges, m.
 const MARGIN_M: f64 = 1.0;

@@ -3,8 +3,7 @@
 use std::fmt;
 
 use clap::ValueEnum;
-use mapper::catalogue::Setup;
-use mapper::{Conventional, ConventionalRule, EPSILON, Field, Lockstep, Mapper, Mrf, Reconciliation};
+use mapper::{Conventional, ConventionalRule, EPSILON, FastVisibility, Field, Mapper, Model, Mrf, Reconciliation};
 
 /// A mapper with parameters to fit, by its name in the catalogue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -90,10 +89,10 @@ impl Candidate {
     pub const PARAMETERS: [&'static str; 5] = ["half_width_px", "clamp_low", "clamp_high", "coupling", "damping"];
 
     /// The unseen map.
-    pub fn build(self, setup: &Setup) -> Box<dyn Mapper> {
+    pub fn build(self, setup: &Model) -> Box<dyn Mapper> {
         match self {
             Self::Visibility(reconciliation) => {
-                Box::new(Lockstep::visibility(&Setup { reconciliation, ..setup.clone() }))
+                Box::new(FastVisibility::visibility(&Model { reconciliation, ..setup.clone() }))
             }
             Self::Conventional(rule) => Box::new(Conventional::with(setup, rule)),
             Self::Mrf(field) => Box::new(Mrf::new(setup, field)),

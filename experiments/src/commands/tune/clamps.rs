@@ -1,8 +1,7 @@
 //! The conventional rule by many clamps at once.
 
 use grid::{DigitalLine, Raster};
-use mapper::catalogue::Setup;
-use mapper::{Conventional, ConventionalRule, Mapper as _};
+use mapper::{Conventional, ConventionalRule, Mapper as _, Model};
 use sensor::Scan;
 
 /// The maps of [`Conventional`] by rules that differ in their clamps alone, bit by bit. What a reading says of a
@@ -11,7 +10,7 @@ use sensor::Scan;
 /// # Panics
 /// If the bins differ.
 pub fn maps<'a>(
-    setup: &Setup,
+    setup: &Model,
     rules: &[ConventionalRule],
     scans: impl IntoIterator<Item = &'a Scan>,
 ) -> Vec<Raster<f64>> {
@@ -23,12 +22,12 @@ pub fn maps<'a>(
     let mut occupancy: Vec<f64> =
         unseen.occupancy().values().iter().flat_map(|p| std::iter::repeat_n(*p, rules.len())).collect();
     let mut line = DigitalLine::default();
-    for ray in scans.into_iter().flat_map(Scan::rays) {
+    for (sensor, ray) in scans.into_iter().flat_map(|scan| scan.rays().map(|ray| (setup.sensors.of(scan), ray))) {
         let Some(reading) = ray.reading else { continue };
         line.trace(&setup.grid, ray.origin_m, ray.direction, f64::INFINITY);
         for (k, &cell) in line.cells().iter().enumerate() {
             let (enter, exit) = (line.ranges()[k], line.ranges()[k + 1]);
-            let likelihoods = any.likelihoods(&*setup.sensor, reading, ray.bearing_rad, enter, exit);
+            let likelihoods = any.likelihoods(&**sensor, reading, ray.bearing_rad, enter, exit);
             let Some(likelihoods) = likelihoods else { break };
             let maps = &mut occupancy[cell * rules.len()..][..rules.len()];
             maps.iter_mut().zip(rules).for_each(|(p, rule)| *p = rule.update(*p, likelihoods));
@@ -51,8 +50,9 @@ mod tests {
     #[test]
     fn maps_are_those_of_the_mapper_bit_by_bit() {
         let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: 60, height: 40 };
-        let setup = Setup::new(grid, Arc::new(Stereo::default()));
+        let setup = Model::new(grid, Arc::new(Stereo::default()));
         let scan = |k: i32| Scan {
+            sensor: 0,
             time_s: 0.0,
             pose: Pose { x_m: 0.1 * f64::from(k), y_m: 1.0, theta_rad: 0.05 * f64::from(k) },
             bearings_rad: (-9..=9).map(|b| 0.08 * f64::from(b)).collect(),

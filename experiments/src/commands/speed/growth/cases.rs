@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use grid::GridSpec;
-use mapper::catalogue::Setup;
+use mapper::Model;
 use sensor::{Camera, Pose, Scan, Stereo};
 
 use super::curve::{Against, Sizes};
@@ -24,7 +24,7 @@ const STRIDE: usize = 139;
 /// A map to be made, and what from.
 pub(super) struct GrowthCase {
     /// Empty map and belief.
-    pub(super) setup: Setup,
+    pub(super) setup: Model,
     /// The scans to map.
     pub(super) scans: Vec<Scan>,
     /// What stands along the axis: one size, or numbers of scans to look at the clock after.
@@ -54,7 +54,7 @@ impl GrowthCase {
     }
 
     fn new(grid: GridSpec, scans: Vec<Scan>, sizes: Vec<f64>) -> Self {
-        let setup = Setup::new(grid, Arc::new(Stereo::default()));
+        let setup = Model::new(grid, Arc::new(Stereo::default()));
         Self { setup, scans, sizes }
     }
 }

@@ -1,0 +1,6 @@
+//! What is assumed of cells before any reading.
+
+pub mod estimate;
+pub(crate) mod lateral;
+pub(crate) mod prior;
+pub(crate) mod probability;

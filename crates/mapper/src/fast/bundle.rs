@@ -1,0 +1,277 @@
+//! Several rays from the map to the sums over rays: Eqs. (1)-(7), one ray to a lane.
+//!
+//! The sum beyond a cell, `B` of [`crate::exact`], is in the posterior only through the evidence and through `ff`,
+//! which is what the other three entries leave of one. The evidence is also what the front pass adds up to at the
+//! end. So one pass from the sensor is enough, and its values are normalised afterwards.
+
+use sensor::lanes::{Beams, LANES, Lanes, each};
+use sensor::{Ray, in_lanes};
+
+use crate::fast::budget::{CUT, EVIDENT, LEAST_EVIDENCE, NEGLIGIBLE, OPEN, UNMOVED};
+use crate::fast::inputs::Inputs;
+use crate::fast::lines::Lines;
+use crate::fast::sums::{Sums, rounded};
+use crate::fast::tail::Tail;
+use crate::fast::tiles::Numbering;
+use crate::fast::trace::{Step, Trace, Transition};
+use crate::memory::Held;
+use crate::ray::past_the_map::PastTheMap;
+
+/// How far a ray moves cells.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Reach {
+    /// Number of cells.
+    pub(super) cells: u32,
+    /// Range at which it leaves the last of them, m.
+    pub(super) end_m: f64,
+    /// Whether that is the border of the map.
+    pub(super) whole: bool,
+    /// Whether single precision has no evidence for the reading; it has moved nothing then.
+    pub(super) unlikely: bool,
+}
+
+/// Up to [`LANES`] rays. A buffer to fill again and again.
+pub(super) struct Bundle {
+    trace: Trace,
+    front: Front,
+    /// Likelihoods of the last block of cells.
+    likelihood: Vec<Lanes<f32>>,
+    tail: Tail,
+    /// Number of cells that rays were updated over.
+    pub(super) cells: u64,
+}
+
+/// What is known in front of, and at, the current cell of every ray, weighted with the likelihood of the reading: `W_E`,
+/// `W_F` and `S` of [`crate::exact`].
+#[derive(Default, Clone, Copy)]
+struct Front {
+    hit_occupied: Lanes<f32>,
+    hit_free: Lanes<f32>,
+    clear: Lanes<f32>,
+}
+
+impl Front {
+    /// Moves on by a block of cells; `previous` is `P(E)` of the cell before it.
+    #[inline(always)]
+    fn advance(
+        &mut self,
+        mut previous: Lanes<f32>,
+        steps: &mut [Step],
+        transitions: &[Transition],
+        likelihood: &[Lanes<f32>],
+    ) {
+        let Self { mut hit_occupied, mut hit_free, mut clear } = *self;
+        for ((step, into), likelihood) in steps.iter_mut().zip(transitions).zip(likelihood) {
+            let (t, u) = (into.stays, into.becomes);
+            let leaves = each(|l| hit_occupied[l] * (1.0 - t[l])); // Eq. (5)
+            let begins = each(|l| (hit_free[l] + clear[l] * likelihood[l]) * u[l]); // Eq. (6)
+            step.differ_before = each(|l| previous[l] * (1.0 - t[l]) + (1.0 - previous[l]) * u[l]);
+            step.differ_after = each(|l| leaves[l] + begins[l]);
+            hit_occupied = each(|l| hit_occupied[l] * t[l] + begins[l]); // Eqs. (4), (6)
+            hit_free = each(|l| leaves[l] + hit_free[l] * (1.0 - u[l])); // Eqs. (5), (7)
+            let ahead = each(|l| clear[l] * into.passes[l]); // Eq. (13)
+            clear = each(|l| if ahead[l] < NEGLIGIBLE { 0.0 } else { ahead[l] });
+            step.after = hit_occupied;
+            previous = step.before;
+        }
+        *self = Self { hit_occupied, hit_free, clear };
+    }
+}
+
+in_lanes! {
+    fn advance<'a>(
+        front: &'a mut Front,
+        previous: Lanes<f32>,
+        steps: &'a mut [Step],
+        transitions: &'a [Transition],
+        likelihood: &'a [Lanes<f32>],
+    ) {
+        front.advance(previous, steps, transitions, likelihood);
+    }
+}
+
+impl Bundle {
+    pub(super) fn new(numbering: Numbering) -> Self {
+        Self {
+            trace: Trace::new(numbering),
+            front: Front::default(),
+            likelihood: Vec::new(),
+            tail: Tail::default(),
+            cells: 0,
+        }
+    }
+
+    /// Adds the posteriors of up to [`LANES`] rays with readings to the sums, as far as they move cells, and gives how far
+    /// that is. `first` is the number of the first among those of the scan. `bookmarks` becomes where the rays were before every
+    /// block of cells.
+    pub(super) fn update(
+        &mut self,
+        inputs: &Inputs,
+        first: usize,
+        rays: &[Ray],
+        sums: &mut Sums,
+        bookmarks: &mut Vec<Lines>,
+    ) -> Lanes<Reach> {
+        let mut beams = Beams::default();
+        let mut lines = Lines::new(inputs.map.numbering);
+        for (lane, ray) in rays.iter().enumerate() {
+            let Some(reading) = ray.reading else { continue };
+            if lines.start(lane, ray.origin_m, ray.direction, f64::INFINITY) {
+                beams.reading[lane] = reading;
+                beams.bearing_rad[lane] = ray.bearing_rad;
+            }
+        }
+        self.trace.start(inputs, lines);
+        self.follow(inputs, first, &beams, bookmarks);
+        let followed = self.trace.length;
+        self.cells += followed.iter().map(|length| u64::from(*length)).sum::<u64>();
+        let evidence = self.evidence(inputs, first, &beams, rays);
+        let unlikely: Lanes<bool> =
+            each(|l| followed[l] > 0 && !(evidence[l] > LEAST_EVIDENCE && evidence[l] < f32::INFINITY));
+        let likely = each(|l| if unlikely[l] { 0 } else { followed[l] });
+        let normalise = evidence.map(|evidence| 1.0 / evidence); // alpha of Eq. (1)
+        let steps = &self.trace.steps[..self.trace.taken];
+        let reach = reach(steps, &likely, &normalise);
+        // Cells of every ray that was followed to the border; more than any other has.
+        let lines = &self.trace.lines;
+        let whole = each(|l| if lines.alive[l] <= 0.0 { likely[l] } else { u32::MAX });
+        let longest = reach.into_iter().max().unwrap_or(0) as usize;
+        add(&steps[..longest], &reach, &whole, &normalise, sums);
+        std::array::from_fn(|l| {
+            let last = reach[l] == likely[l];
+            let end_m = if last { lines.entered[l] } else { steps[reach[l] as usize].entered[l] };
+            Reach { cells: reach[l], end_m, whole: reach[l] == whole[l], unlikely: unlikely[l] }
+        })
+    }
+
+    /// Follows the rays, to the border or to where the rest moves nothing: the front pass of Eqs. (4)-(7).
+    fn follow(&mut self, inputs: &Inputs, first: usize, beams: &Beams, bookmarks: &mut Vec<Lines>) {
+        bookmarks.clear();
+        self.front = Front { clear: [1.0; LANES], ..Front::default() };
+        let mut previous = [0.0; LANES];
+        while !self.trace.lines.done() {
+            bookmarks.push(self.trace.lines.clone());
+            self.trace.go_on(inputs);
+            let ranges = &self.trace.ranges;
+            self.likelihood.resize(ranges.len() - 1, [0.0; LANES]);
+            inputs.sensor.likelihood_lanes(beams, ranges, &mut self.likelihood); // Eq. (21)
+            if let Some(others) = inputs.others {
+                others.join_lanes(first, ranges, &mut self.likelihood);
+            }
+            let (steps, transitions) = self.trace.last_block();
+            advance(&mut self.front, previous, steps, transitions, &self.likelihood);
+            let Some(last) = steps.last().map(|step| step.before) else { break };
+            previous = last;
+            let lines = &self.trace.lines;
+            if (0..LANES).all(|l| lines.alive[l] <= 0.0 || self.is_settled(l, inputs, first, beams, last[l])) {
+                break;
+            }
+        }
+    }
+
+    /// Whether the cells that a ray has not crossed yet learn nothing: their likelihoods hardly differ, so that it does
+    /// not matter which of them is hit, and what is known of the cell before them, of `P(E) = before`, is what was known. Then the
+    /// chain goes on as it would without a reading, and what it differs by falls from cell to cell.
+    fn is_settled(&self, l: usize, inputs: &Inputs, first: usize, beams: &Beams, before: f32) -> bool {
+        let Some(likelihood) = self.likelihood.last() else { return false };
+        let Front { hit_occupied, hit_free, clear } = self.front;
+        let evidence = hit_occupied[l] + hit_free[l] + clear[l] * likelihood[l];
+        let moved = (hit_occupied[l] - before * evidence).abs();
+        let from_m = self.trace.lines.entered[l];
+        let spread = || match inputs.others {
+            Some(others) => others.spread_from(first + l, from_m),
+            None => inputs.sensor.spread_from(beams.reading[l], beams.bearing_rad[l], from_m),
+        };
+        moved <= CUT * evidence && f64::from(clear[l]) * spread() <= f64::from(CUT * evidence)
+    }
+
+    /// `P(o | O)` of every ray: what the front pass adds up to, and what lies past the last cell. Where that is the
+    /// map, any of its cells does.
+    fn evidence(&mut self, inputs: &Inputs, first: usize, beams: &Beams, rays: &[Ray]) -> Lanes<f32> {
+        let Front { hit_occupied, hit_free, clear } = self.front;
+        let Trace { lines, length, .. } = &self.trace;
+        let goes_on: Lanes<bool> = lines.alive.map(|alive| alive > 0.0);
+        let nothing = each(|l| OPEN * ((hit_occupied[l] + hit_free[l]) / EVIDENT).min(1.0));
+        let wanted: Lanes<bool> = each(|l| length[l] > 0 && clear[l] > nothing[l] && !goes_on[l]);
+        let mut none = [1.0; LANES];
+        if let Some(others) = inputs.others {
+            none = each(|l| if wanted[l] { others.past_the_map(first + l, lines.entered[l]) } else { 1.0 });
+        } else if wanted != [false; LANES] {
+            let past = std::array::from_fn(|l| {
+                let direction = rays.get(l).map_or([1.0, 0.0], |ray| ray.direction);
+                PastTheMap::at(lines.entered[l], direction, inputs.map.numbering.spec().cell_m, inputs.onset)
+            });
+            none = self.tail.likelihood(inputs.sensor, beams, &wanted, &past); // Eq. (7), k to infinity
+        }
+        if let Some(last) = self.likelihood.last() {
+            none = each(|l| if goes_on[l] { last[l] } else { none[l] });
+        }
+        each(|l| hit_occupied[l] + hit_free[l] + clear[l] * none[l])
+    }
+}
+
+impl Held for Bundle {
+    fn held(&self) -> usize {
+        self.trace.held()
+    }
+}
+
+/// Number of cells of every ray, of so many, up to the last that the reading moves; at least one.
+fn reach(steps: &[Step], length: &Lanes<u32>, normalise: &Lanes<f32>) -> Lanes<u32> {
+    let mut reach = [0; LANES];
+    let mut open = length.map(|length| length > 0);
+    for (k, step) in steps.iter().enumerate().rev() {
+        let moves = each(|l| {
+            let moved = (step.after[l] * normalise[l] - step.before[l]).abs();
+            let differs = (step.differ_after[l] * normalise[l] - step.differ_before[l]).abs();
+            open[l] && (k as u32) < length[l] && (moved > UNMOVED || differs > UNMOVED || k == 0)
+        });
+        for l in (0..LANES).filter(|l| moves[*l]) {
+            reach[l] = k as u32 + 1;
+            open[l] = false;
+        }
+        if open == [false; LANES] {
+            break;
+        }
+    }
+    reach
+}
+
+in_lanes! {
+    fn add<'a>(
+        steps: &'a [Step],
+        reach: &'a Lanes<u32>,
+        whole: &'a Lanes<u32>,
+        normalise: &'a Lanes<f32>,
+        sums: &'a mut Sums,
+    ) {
+        add_normalised(steps, reach, whole, normalise, sums);
+    }
+}
+
+/// Adds the normalised posteriors of every ray to the sums of Eq. (20), up to its reach; `whole` is the number of its cells.
+#[inline(always)]
+fn add_normalised(steps: &[Step], reach: &Lanes<u32>, whole: &Lanes<u32>, normalise: &Lanes<f32>, sums: &mut Sums) {
+    let mut previous = [0usize; LANES];
+    for (k, step) in steps.iter().enumerate() {
+        let occupied = rounded(&std::array::from_fn(|l| step.after[l] * normalise[l]));
+        let differ = rounded(&std::array::from_fn(|l| step.differ_after[l] * normalise[l]));
+        for l in 0..LANES {
+            if k as u32 >= reach[l] {
+                continue;
+            }
+            let cell = step.cell[l];
+            let here = sums.entry(cell);
+            // A cell inside the ray is in two pairs, the first and the last are in one.
+            let end = k == 0 || k as u32 + 1 == whole[l];
+            sums.add_cell(here, if end { 1 } else { 2 }, occupied[l]);
+            if k > 0 {
+                let edge = step.edge[l];
+                let up = edge / 2 != cell;
+                let (low, high) = if up { (previous[l], here) } else { (here, previous[l]) };
+                sums.add_edge(low, high, (edge % 2) as usize, differ[l]);
+            }
+            previous[l] = here;
+        }
+    }
+}

@@ -1,0 +1,233 @@
+//! The four phases of a scan: select -> update_rays -> add_passing -> reconcile.
+//!
+//! 1. [`select`]: which rays are taken, and by which thread.
+//! 2. [`Workspace::update_rays`]: the posterior of every pair on every ray, summed over rays, as far as a reading moves its
+//!    ray's cells. Eqs. (1)-(7), (21).
+//! 3. [`Workspace::add_passing`]: rays past that, where other rays move cells. Eq. (20).
+//! 4. [`Workspace::reconcile`]: the map that agrees best with all of them. Eqs. (18)-(20).
+
+use grid::GridSpec;
+use rayon::prelude::*;
+use sensor::lanes::LANES;
+use sensor::{Ray, SensorModel};
+
+use crate::belief::lateral::Lateral;
+use crate::belief::prior::Continuity;
+use crate::fast::bundle::{Bundle, Reach};
+use crate::fast::inputs::Inputs;
+use crate::fast::lateral::Layers;
+use crate::fast::lines::Lines;
+use crate::fast::map::Map;
+use crate::fast::reconcile::Moved;
+use crate::fast::sums::{Sums, rounded_one};
+use crate::fast::tiles::Numbering;
+use crate::fast::{lateral, passing, reconcile, touched};
+use crate::memory::Held;
+use crate::pairs::reconcile::Reconciliation;
+use crate::ray::chain::Chain;
+use crate::ray::exact;
+use crate::ray::update::RayUpdate;
+
+/// The rays that are taken of a scan, in the order and the shares in which threads take them.
+pub(super) struct Selection {
+    rays: Vec<Ray>,
+    threads: usize,
+    /// Rays per thread.
+    share: usize,
+}
+
+/// Phase 1: rays with readings, from one place. None where there are none, or where they start outside the map.
+pub(super) fn select(
+    spec: &GridSpec,
+    sensor: &dyn SensorModel,
+    mut rays: Vec<Ray>,
+    threads: usize,
+) -> Option<Selection> {
+    rays.first().and_then(|ray| spec.locate(ray.origin_m))?;
+    // Rays that can be cut soon are taken together.
+    let far =
+        |ray: &Ray| ray.reading.is_none_or(|reading| sensor.constant_from(reading, ray.bearing_rad).is_infinite());
+    rays.sort_by_key(far);
+    let bundles = rays.len().div_ceil(LANES);
+    let threads = threads.clamp(1, bundles);
+    Some(Selection { rays: dealt(&rays, threads), threads, share: bundles.div_ceil(threads) * LANES })
+}
+
+/// The rays in an order in which equal shares of them are equal work: bundle by bundle to every thread in turn. Bundles
+/// stay together, the one that is not full at the end.
+fn dealt(rays: &[Ray], threads: usize) -> Vec<Ray> {
+    let (bundles, rest) = rays.as_chunks::<LANES>();
+    let turns = (0..threads).flat_map(|k| bundles.iter().skip(k).step_by(threads));
+    turns.flatten().chain(rest).copied().collect()
+}
+
+impl Selection {
+    /// All rays.
+    pub(super) fn rays(&self) -> &[Ray] {
+        &self.rays
+    }
+
+    /// What a thread takes of one value per ray.
+    fn share_of<'a, T>(&self, values: &'a [T], thread: usize) -> &'a [T] {
+        values.chunks(self.share).nth(thread).unwrap_or_default()
+    }
+}
+
+/// Working memory, kept from one scan to the next.
+pub(super) struct Workspace {
+    numbering: Numbering,
+    /// One for every thread. After each phase, the sums over all rays are in the first.
+    workers: Vec<Worker>,
+    moved: Vec<Moved>,
+    layers: Layers,
+}
+
+/// What one thread needs.
+struct Worker {
+    bundle: Bundle,
+    sums: Sums,
+    /// Double precision, for readings that single precision has no evidence for.
+    slow: RayUpdate,
+    /// How far each of its rays moves cells.
+    reach: Vec<Reach>,
+    /// Where the lines of every bundle were, block by block.
+    bookmarks: Vec<Vec<Lines>>,
+}
+
+impl Workspace {
+    pub(super) fn new(numbering: Numbering) -> Self {
+        let workers = vec![Worker::new(numbering)];
+        Self { numbering, workers, moved: Vec::new(), layers: Layers::default() }
+    }
+
+    /// Phase 2; gives the number of cells that rays were updated over.
+    pub(super) fn update_rays(&mut self, inputs: &Inputs, selection: &Selection) -> u64 {
+        while self.workers.len() < selection.threads {
+            self.workers.push(Worker::new(self.numbering));
+        }
+        let workers = &mut self.workers[..selection.threads];
+        together(workers, |thread, worker| {
+            worker.update(inputs, thread * selection.share, selection.share_of(&selection.rays, thread));
+        });
+        merge(workers);
+        workers.iter_mut().map(|worker| std::mem::take(&mut worker.bundle.cells)).sum()
+    }
+
+    /// Phase 3.
+    pub(super) fn add_passing(&mut self, inputs: &Inputs, selection: &Selection) {
+        let workers = &mut self.workers[..selection.threads];
+        let reach: Vec<Reach> = workers.iter().flat_map(|worker| worker.reach.iter().copied()).collect();
+        if inputs.hops > 0 {
+            lateral::open(inputs.map, &mut workers[0].sums, inputs.hops);
+        }
+        let until_m = passing::farthest(self.numbering.spec(), &selection.rays, &reach, 1 + inputs.hops);
+        // Several threads read what one of them alone can add to meanwhile.
+        let before = (workers.len() > 1).then(|| std::mem::replace(&mut workers[0].sums, Sums::new(self.numbering)));
+        together(workers, |thread, Worker { reach, bookmarks, sums, .. }| {
+            let until_m = selection.share_of(&until_m, thread);
+            passing::add(inputs, reach, until_m, bookmarks, (before.as_ref(), sums));
+        });
+        if let Some(before) = before {
+            let mut added = std::mem::replace(&mut workers[0].sums, before);
+            workers[0].sums.absorb(&mut added);
+            merge(workers);
+        }
+    }
+
+    /// Phase 4.
+    pub(super) fn reconcile(&mut self, map: &mut Map, continuity: Continuity, rule: Reconciliation) {
+        let sums = &mut self.workers[0].sums;
+        match rule {
+            Reconciliation::AllEdges => reconcile::all_edges(map, continuity, sums, &mut self.moved),
+            Reconciliation::Touched => touched::touched(map, continuity, sums),
+        }
+        sums.clear();
+    }
+
+    /// Phase 4 with continuity across rays.
+    pub(super) fn reconcile_laterally(&mut self, map: &mut Map, lateral: &Lateral, hops: usize) {
+        let sums = &mut self.workers[0].sums;
+        lateral::reconcile(map, sums, lateral, hops, &mut self.layers);
+        sums.clear();
+    }
+}
+
+impl Held for Workspace {
+    fn held(&self) -> usize {
+        let workers = self.workers.iter().map(|worker| worker.bundle.held() + worker.sums.held());
+        workers.sum::<usize>() + self.moved.held() + self.layers.held()
+    }
+}
+
+/// What every worker does, each with its number; one of them alone wakes no thread.
+fn together(workers: &mut [Worker], work: impl Fn(usize, &mut Worker) + Sync) {
+    match workers {
+        [only] => work(0, only),
+        several => several.par_iter_mut().enumerate().for_each(|(number, worker)| work(number, worker)),
+    }
+}
+
+/// The sums of all workers, in those of the first.
+fn merge(workers: &mut [Worker]) {
+    if let Some((first, others)) = workers.split_first_mut() {
+        others.iter_mut().for_each(|other| first.sums.absorb(&mut other.sums));
+    }
+}
+
+impl Worker {
+    fn new(numbering: Numbering) -> Self {
+        Self {
+            bundle: Bundle::new(numbering),
+            sums: Sums::new(numbering),
+            slow: RayUpdate::default(),
+            reach: Vec::new(),
+            bookmarks: Vec::new(),
+        }
+    }
+
+    /// Takes rays, the first of which has the given number among those of the scan.
+    fn update(&mut self, inputs: &Inputs, first: usize, rays: &[Ray]) {
+        self.bookmarks.resize_with(rays.len().div_ceil(LANES), Vec::new);
+        self.reach.clear();
+        for (number, rays) in rays.chunks(LANES).enumerate() {
+            let first = first + number * LANES;
+            let reach = self.bundle.update(inputs, first, rays, &mut self.sums, &mut self.bookmarks[number]);
+            for ((k, ray), reach) in rays.iter().enumerate().zip(reach) {
+                let reach = if reach.unlikely { self.update_slowly(inputs, first + k, ray) } else { reach };
+                self.reach.push(reach);
+            }
+        }
+    }
+
+    fn update_slowly(&mut self, inputs: &Inputs, number: usize, ray: &Ray) -> Reach {
+        let numbering = &inputs.map.numbering;
+        let spec = numbering.spec();
+        let both = |pair: &[usize]| {
+            let edge = spec.edge_between(pair[0], pair[1]);
+            let [low, high] = if edge / 2 == pair[0] { [pair[0], pair[1]] } else { [pair[1], pair[0]] };
+            let [_, _, both] = inputs.map.pair([low, high].map(|cell| numbering.of(cell)), edge % 2, inputs.continuity);
+            both
+        };
+        let gather = |chain: &mut Chain, cells: &[usize]| {
+            let occupied = cells.iter().map(|cell| f64::from(inputs.map.occupied(numbering.of(*cell))));
+            *chain = Chain::new(occupied.collect(), cells.windows(2).map(both).collect());
+        };
+        let others = inputs.others.map(|others| (others, number));
+        self.slow.update(ray, spec, (inputs.sensor, inputs.onset), others, exact::posterior, gather);
+        let (RayUpdate { ray, posterior, .. }, sums) = (&self.slow, &mut self.sums);
+        let cells = ray.line.cells();
+        if let &[only] = cells {
+            let entry = sums.entry(numbering.of(only));
+            sums.add_cell(entry, 1, rounded_one(posterior.first));
+        }
+        for (pair, joint) in cells.windows(2).zip(&posterior.pairs) {
+            let [first, second] = [pair[0], pair[1]].map(|cell| sums.entry(numbering.of(cell)));
+            sums.add_cell(first, 1, rounded_one(joint.first()));
+            sums.add_cell(second, 1, rounded_one(joint.second()));
+            let edge = spec.edge_between(pair[0], pair[1]);
+            let (low, high) = if edge / 2 == pair[0] { (first, second) } else { (second, first) };
+            sums.add_edge(low, high, edge % 2, rounded_one(joint.ef + joint.fe));
+        }
+        Reach { cells: cells.len() as u32, end_m: ray.line.ranges()[cells.len()], whole: true, unlikely: true }
+    }
+}

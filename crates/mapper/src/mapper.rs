@@ -1,0 +1,64 @@
+//! The trait of all mappers, and what a mapper reports of its work.
+
+use grid::Raster;
+use sensor::Scan;
+
+use crate::memory::Held as _;
+use crate::pairs::grid::PairwiseGrid;
+
+/// A rule that turns scans into a map.
+pub trait Mapper: Send {
+    /// Updates the map with one scan. Rays without a reading, and rays that start outside the map, change nothing.
+    ///
+    /// # Panics
+    /// If the scan names a sensor that the mapper was not made for.
+    fn integrate(&mut self, scan: &Scan);
+
+    /// Brings the map up to date with the scans so far. A batch mapper, which sees all scans at once,
+    /// solves here; others are always up to date.
+    fn settle(&mut self) {}
+
+    /// Probability, 0 to 1, that each cell is occupied, given the scans up to the last
+    /// [`settle`](Self::settle), or so far if the mapper is no batch mapper.
+    fn occupancy(&self) -> &Raster<f64>;
+
+    /// The joint probabilities of neighbours, of a map that holds them; made for the call.
+    fn pairwise(&self) -> Option<PairwiseGrid> {
+        None
+    }
+
+    /// `ln P(readings of the scan | map)`, nats, of a scan that is not integrated; none of a mapper that does not predict
+    /// readings.
+    fn evidence(&self, _scan: &Scan) -> Option<f64> {
+        None
+    }
+
+    /// A copy that goes on by itself from the map as it is; none of a mapper that cannot be copied.
+    fn fork(&self) -> Option<Box<dyn Mapper>> {
+        None
+    }
+
+    /// What it has done since it was made, and the memory that it holds. A mapper without a count is taken to hold
+    /// its occupancy alone.
+    fn work(&self) -> Work {
+        Work::uncounted(self.occupancy())
+    }
+}
+
+/// What a mapper has done since it was made, and the memory that it holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Work {
+    /// Cells that its rays were updated over, a cell once for every ray that it was updated for; 0 of a mapper that
+    /// does not count.
+    pub cells: u64,
+    /// Memory, bytes: the map, the readings of a mapper that keeps them, and the working state that is kept from one
+    /// scan to the next.
+    pub bytes: usize,
+}
+
+impl Work {
+    /// Of a mapper that does not count and holds nothing but the map that it shows.
+    pub fn uncounted(occupancy: &Raster<f64>) -> Self {
+        Self { cells: 0, bytes: occupancy.held() }
+    }
+}

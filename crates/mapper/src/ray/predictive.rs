@@ -1,0 +1,142 @@
+//! How well a map predicts a reading that it has not seen: `-ln P(reading | map)`, a score that needs no truth.
+
+use grid::{GridSpec, Raster};
+use sensor::{Ray, SensorModel};
+
+use crate::pairs::grid::PairwiseGrid;
+use crate::ray::likelihood::RayLikelihood;
+
+/// A map that predicts readings.
+#[derive(Clone, Copy)]
+pub enum Belief<'a> {
+    /// The first occupied cell, cells being independent of each other: `P(F_k) = p_k (1 - p_0) ... (1 - p_{k-1})`.
+    Cells(&'a Raster<f64>),
+    /// The same by the chain of neighbours, Eqs. (11)-(13): a cell is occupied given that the one before is free.
+    Chain(&'a PairwiseGrid),
+}
+
+/// One predictive model for all maps: the likelihood of a reading, Eq. (21), over its first occupied cell, and beyond the
+/// border of the map an unseen world. A buffer to use again and again.
+pub struct Predictive<'a> {
+    spec: GridSpec,
+    sensor: &'a dyn SensorModel,
+    onset: f64,
+    ray: RayLikelihood,
+}
+
+/// What is left ahead of a ray below this does not count.
+const NOTHING: f64 = 1e-12;
+
+impl<'a> Predictive<'a> {
+    /// For maps of this grid; `onset` is the probability that a cell begins an obstacle in an unseen world,
+    /// [`Prior::onset`](crate::Prior::onset).
+    pub fn new(spec: GridSpec, sensor: &'a dyn SensorModel, onset: f64) -> Self {
+        Self { spec, sensor, onset, ray: RayLikelihood::default() }
+    }
+
+    /// Takes up a ray with a reading; false where there is none, or the ray does not start in the map.
+    pub fn take(&mut self, ray: &Ray) -> bool {
+        self.ray.take(ray, &self.spec, self.sensor, self.onset)
+    }
+
+    /// `-ln P(reading | map)` of the ray taken up last, in nats; the density of a reading is per its unit.
+    pub fn log_loss(&self, map: Belief) -> f64 {
+        -libm::log(self.probability(map).max(f64::MIN_POSITIVE))
+    }
+
+    fn probability(&self, map: Belief) -> f64 {
+        let RayLikelihood { line, likelihood, none } = &self.ray;
+        let cells = line.cells();
+        let (mut sum, mut clear) = (0.0, 1.0);
+        for (k, (&cell, likelihood)) in cells.iter().zip(likelihood).enumerate() {
+            let begins = match map {
+                Belief::Cells(occupancy) => occupancy[cell],
+                Belief::Chain(pairs) if k == 0 => pairs.marginals()[cell],
+                Belief::Chain(pairs) => {
+                    let before = cells[k - 1];
+                    let edge = self.spec.edge_between(before, cell);
+                    let free = 1.0 - pairs.marginals()[before];
+                    ((pairs.marginals()[cell] - pairs.both[edge]) / free).clamp(0.0, 1.0)
+                }
+            };
+            sum += clear * begins * likelihood;
+            clear *= 1.0 - begins;
+            if clear < NOTHING {
+                return sum;
+            }
+        }
+        sum + clear * none
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::{Mapper as _, Model, Visibility};
+    use proptest::prelude::*;
+    use sensor::{Kernel as _, Laser, Pose, Scan};
+
+    fn row(width: usize) -> GridSpec {
+        GridSpec { cell_m: 0.1, origin_m: [0.0; 2], width, height: 1 }
+    }
+
+    fn beam(reading: f64) -> Scan {
+        let pose = Pose { x_m: 0.03, y_m: 0.05, theta_rad: 0.0 };
+        Scan { sensor: 0, time_s: 0.0, pose, bearings_rad: vec![0.0], readings: vec![Some(reading)] }
+    }
+
+    proptest! {
+        /// All states of the row, and what lies beyond.
+        #[test]
+        fn it_is_the_sum_over_all_states(p in prop::collection::vec(0.0f64..1.0, 1..10), reading in 0.0f64..1.5, none: bool) {
+            let (spec, laser) = (row(p.len()), Laser::default());
+            let ray = beam(if none { f64::INFINITY } else { reading }).rays().next().expect("one");
+            let mut predictive = Predictive::new(spec, &laser, 0.02);
+            prop_assert!(predictive.take(&ray));
+            let expected: f64 = (0..1u32 << p.len())
+                .map(|states| {
+                    let occupied = |k: usize| states >> k & 1 == 1;
+                    let weight: f64 = (0..p.len()).map(|k| if occupied(k) { p[k] } else { 1.0 - p[k] }).product();
+                    let first = (0..p.len()).find(|k| occupied(*k));
+                    weight * first.map_or(predictive.ray.none, |k| predictive.ray.likelihood[k])
+                })
+                .sum();
+            let map = Raster::new(spec, p);
+            prop_assert!((predictive.probability(Belief::Cells(&map)) / expected - 1.0).abs() < 1e-9);
+        }
+
+        /// The evidence of the mapper that would take the reading next.
+        #[test]
+        fn by_the_chain_it_is_the_evidence(width in 1usize..40, first in 0.0f64..4.0, second in 0.0f64..4.0) {
+            let laser = Laser::default();
+            let setup = Model::new(row(width), Arc::new(laser));
+            let mut mapper = Visibility::exact(&setup);
+            mapper.integrate(&beam(first));
+            let ray = beam(second).rays().next().expect("one");
+            let onset = setup.prior.onset(0.1);
+            let mut predictive = Predictive::new(setup.grid, &laser, onset);
+            prop_assert!(predictive.take(&ray));
+            let mut posterior = crate::pairs::posterior::RayPosterior::default();
+            let pairs = mapper.pairs();
+            let (cells, mut likelihood) = (predictive.ray.line.cells(), vec![0.0; width]);
+            laser.likelihood(second, 0.0, predictive.ray.line.ranges(), &mut likelihood);
+            let both = cells.windows(2).map(|pair| pairs.both[setup.grid.edge_between(pair[0], pair[1])]).collect();
+            let chain = crate::ray::chain::Chain::new(cells.iter().map(|cell| pairs.marginals()[*cell]).collect(), both);
+            crate::ray::exact::posterior(&chain, &likelihood, predictive.ray.none, &mut posterior);
+            let found = predictive.log_loss(Belief::Chain(pairs));
+            prop_assert!((found + posterior.evidence.ln()).abs() < 1e-8, "{found} {}", posterior.evidence);
+        }
+    }
+
+    #[test]
+    fn rays_that_say_nothing_are_not_taken() {
+        let laser = Laser::default();
+        let mut predictive = Predictive::new(row(3), &laser, 0.02);
+        let ray = beam(0.2).rays().next().expect("one");
+        assert!(
+            !predictive.take(&Ray { reading: None, ..ray }) && !predictive.take(&Ray { origin_m: [5.0, 0.0], ..ray })
+        );
+    }
+}

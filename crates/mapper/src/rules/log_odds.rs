@@ -1,0 +1,376 @@
+//! The constant-increment rule that most robots run.
+
+use std::cell::OnceCell;
+
+use grid::Raster;
+use sensor::lanes::{LANES, Lanes};
+use sensor::{Ray, Scan, SensorModel, in_lanes};
+
+use crate::belief::probability::{from_log_odds, log_odds};
+use crate::fast::lines::Lines;
+use crate::fast::tiles::{Numbering, PATCH, TILE, Tiles, split};
+use crate::mapper::{Mapper, Work};
+use crate::memory::Held as _;
+use crate::model::{Model, Sensors};
+use crate::tuning::Tuning;
+
+/// A log-odds grid with one constant for a hit and one for a miss.
+///
+/// The probabilities are those of the inverse sensor model, at even odds beforehand: a hit adds
+/// `ln(hit / (1 - hit))`, a miss `ln(miss / (1 - miss))`, and the sum stays within the clamps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LogOdds {
+    /// Probability of a cell with one hit, above 0.5.
+    pub hit: f64,
+    /// Probability of a cell with one miss, below 0.5.
+    pub miss: f64,
+    /// Least and largest probability of a cell that was updated.
+    pub clamp: [f64; 2],
+    /// Probability from which a cell's first update starts. 0.5 in both presets, as in the programs
+    /// they come from, whose increments and clamps are made for it: started at a prior of 0.1, a cell
+    /// would lie below OctoMap's lower clamp, and a miss would make it more occupied.
+    pub start: f64,
+    /// Range up to which a beam without echo (a reading of `f64::INFINITY`) is a miss, m; 0 where it changes nothing.
+    pub no_echo_m: f64,
+}
+
+impl LogOdds {
+    /// The defaults of OctoMap: Hornung, Wurm, Bennewitz, Stachniss and Burgard, "OctoMap: An Efficient
+    /// Probabilistic 3D Mapping Framework Based on Octrees", Autonomous Robots 34, 2013. It
+    /// takes point clouds, in which a beam without echo has no point.
+    pub const OCTOMAP: Self = Self { hit: 0.7, miss: 0.4, clamp: [0.12, 0.97], start: 0.5, no_echo_m: 0.0 };
+
+    /// The defaults of Cartographer's 2D grid: Hess, Kohler, Rapp and Andor, "Real-Time Loop Closure in
+    /// 2D LIDAR SLAM", ICRA 2016. A range beyond the largest is a miss of 5 m (`missing_data_ray_length`).
+    pub const CARTOGRAPHER: Self = Self { hit: 0.55, miss: 0.49, clamp: [0.1, 0.9], start: 0.5, no_echo_m: 5.0 };
+
+    /// The rule with the values given.
+    pub fn tuned(self, tuning: &Tuning) -> Self {
+        Self {
+            hit: tuning.hit.unwrap_or(self.hit),
+            miss: tuning.miss.unwrap_or(self.miss),
+            start: tuning.start.unwrap_or(self.start),
+            clamp: tuning.clamp(self.clamp),
+            ..self
+        }
+    }
+
+    /// Log odds that a hit or a miss adds, and the clamps.
+    fn steps(&self) -> Steps {
+        let [low, high] = self.clamp.map(log_odds);
+        Steps { hit: log_odds(self.hit), miss: log_odds(self.miss), low, high }
+    }
+}
+
+/// A rule in log odds.
+#[derive(Clone, Copy)]
+struct Steps {
+    hit: f64,
+    miss: f64,
+    low: f64,
+    high: f64,
+}
+
+/// A tile of the map: 9 bytes per cell.
+#[derive(Clone)]
+struct Tile {
+    log_odds: [f64; TILE],
+    /// [`MISS`], [`HIT`] and [`KNOWN`].
+    seen: [u8; TILE],
+    /// Whether the scan has marked a cell of each of its patches so far.
+    touched: [bool; TILE / PATCH],
+}
+
+/// The scan has passed through the cell.
+const MISS: u8 = 1;
+/// It has ended in the cell.
+const HIT: u8 = 2;
+/// The cell was updated before.
+const KNOWN: u8 = 4;
+
+/// The mapper with this rule. O(cells up to the reading) per ray.
+///
+/// A reading becomes a point ([`sensor::InverseModel::range_of`]): its cell is hit, cells before it are missed,
+/// up to the border where the point lies outside the map. Within one scan a cell is updated once, and
+/// a hit wins over misses, as in both programs. A reading at infinity (disparity 0) has no point; it is
+/// dropped and clears nothing, as point clouds drop it. A beam without echo clears as far as
+/// [`LogOdds::no_echo_m`], whatever the sensor's range, and hits nothing. A cell that was never updated is unknown: it
+/// reports the prior, like the unseen cells of every other mapper.
+#[derive(Clone)]
+pub struct ConstantIncrements {
+    steps: Steps,
+    no_echo_m: f64,
+    prior: f64,
+    map: Tiles<Tile>,
+    sensors: Sensors,
+    /// First cells of the patches that the scan has marked so far.
+    touched: Vec<u32>,
+    cells: u64,
+    /// The map as others see it, made when it is asked for.
+    occupancy: OnceCell<Raster<f64>>,
+}
+
+impl ConstantIncrements {
+    /// The unseen map.
+    pub fn new(model: &Model, rule: LogOdds) -> Self {
+        let unknown = Tile { log_odds: [log_odds(rule.start); TILE], seen: [0; TILE], touched: [false; TILE / PATCH] };
+        Self {
+            steps: rule.steps(),
+            no_echo_m: rule.no_echo_m,
+            prior: model.prior.marginal(),
+            map: Tiles::new(Numbering::new(model.grid), unknown),
+            sensors: model.sensors.clone(),
+            touched: Vec::new(),
+            cells: 0,
+            occupancy: OnceCell::new(),
+        }
+    }
+
+    /// Up to where a ray misses, and where it hits, m; none if it does neither.
+    fn ends(&self, sensor: &dyn SensorModel, ray: &Ray) -> Option<Ends> {
+        let reading = ray.reading?;
+        if reading == f64::INFINITY {
+            let ends = Ends { until_m: self.no_echo_m, hit_m: f64::INFINITY };
+            return Some(ends).filter(|ends| ends.until_m > 0.0);
+        }
+        let point_m = sensor.range_of(reading, ray.bearing_rad)?;
+        Some(Ends { until_m: point_m, hit_m: point_m })
+    }
+
+    fn occupied(&self, tile: &Tile, place: usize) -> f64 {
+        if tile.seen[place] & KNOWN == 0 {
+            return self.prior;
+        }
+        from_log_odds(tile.log_odds[place])
+    }
+
+    /// The part of the map that rays have crossed, as [`crate::FastVisibility::seen`].
+    pub fn seen(&self) -> Option<Raster<f64>> {
+        let (from, window) = self.map.seen()?;
+        Some(self.map.raster(from, window, |tile, place| self.occupied(tile, place)))
+    }
+}
+
+/// Where a ray ends.
+#[derive(Clone, Copy)]
+struct Ends {
+    /// Range up to which its cells are marked, m.
+    until_m: f64,
+    /// Range at which a cell is hit, m; infinite if none is.
+    hit_m: f64,
+}
+
+in_lanes! {
+    fn mark<'a>(mapper: &'a mut ConstantIncrements, lines: Lines, ranges: Lanes<f64>) {
+        mark_cells(mapper, lines, &ranges);
+    }
+}
+
+/// Follows rays to their points, and marks the cells on them.
+#[inline(always)]
+fn mark_cells(mapper: &mut ConstantIncrements, mut lines: Lines, ranges: &Lanes<f64>) {
+    let ConstantIncrements { map, touched, cells, .. } = mapper;
+    while !lines.done() {
+        let (cell, alive) = (lines.cell(), lines.alive);
+        let step = lines.step();
+        *cells += alive.iter().sum::<f64>() as u64;
+        for l in (0..LANES).filter(|l| alive[*l] > 0.0) {
+            let (tile, place) = split(cell[l]);
+            let here = map.make(tile);
+            if !here.touched[place / PATCH] {
+                here.touched[place / PATCH] = true;
+                touched.push(cell[l] - (place % PATCH) as u32);
+            }
+            here.seen[place] |= if step.exit[l] >= ranges[l] { HIT } else { MISS };
+        }
+    }
+}
+
+in_lanes! {
+    fn apply<'a>(tile: &'a mut Tile, from: usize, steps: Steps) {
+        apply_marks(tile, from, steps);
+    }
+}
+
+/// Adds what the marks of a patch stand for to its log odds.
+#[inline(always)]
+fn apply_marks(Tile { log_odds, seen, touched }: &mut Tile, from: usize, Steps { hit, miss, low, high }: Steps) {
+    let patch = from..from + PATCH;
+    for (log_odds, seen) in log_odds[patch.clone()].iter_mut().zip(&mut seen[patch]) {
+        let after = *log_odds + if *seen & HIT != 0 { hit } else { miss };
+        let after = if after > low { after } else { low };
+        let after = if after < high { after } else { high };
+        let marked = *seen & (HIT | MISS) != 0;
+        *log_odds = if marked { after } else { *log_odds };
+        *seen = if marked { KNOWN } else { *seen };
+    }
+    touched[from / PATCH] = false;
+}
+
+impl Mapper for ConstantIncrements {
+    fn integrate(&mut self, scan: &Scan) {
+        let sensor = &**self.sensors.of(scan);
+        let rays: Vec<(Ray, Ends)> = scan.rays().filter_map(|ray| Some((ray, self.ends(sensor, &ray)?))).collect();
+        for rays in rays.chunks(LANES) {
+            let mut lines = Lines::new(self.map.numbering);
+            let mut ranges = [f64::INFINITY; LANES];
+            for (lane, (ray, ends)) in rays.iter().enumerate() {
+                lines.start(lane, ray.origin_m, ray.direction, ends.until_m);
+                ranges[lane] = ends.hit_m;
+            }
+            mark(self, lines, ranges);
+        }
+        for first in self.touched.drain(..) {
+            let (tile, from) = split(first);
+            apply(self.map.make(tile), from, self.steps);
+        }
+        self.occupancy.take();
+    }
+
+    fn occupancy(&self) -> &Raster<f64> {
+        let spec = *self.map.numbering.spec();
+        self.occupancy.get_or_init(|| self.map.raster([0, 0], spec, |tile, place| self.occupied(tile, place)))
+    }
+
+    fn fork(&self) -> Option<Box<dyn Mapper>> {
+        Some(Box::new(self.clone()))
+    }
+
+    fn work(&self) -> Work {
+        Work { cells: self.cells, bytes: self.map.held() + self.touched.held() + self.occupancy.held() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use grid::GridSpec;
+    use proptest::prelude::*;
+    use sensor::{InverseModel as _, Pose, Stereo};
+    use std::sync::Arc;
+
+    fn mapper(rule: LogOdds) -> ConstantIncrements {
+        let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: 40, height: 1 };
+        let sensor = Arc::new(Stereo::default());
+        ConstantIncrements::new(&Model::new(grid, sensor), rule)
+    }
+
+    fn scan(readings: &[f64]) -> Scan {
+        let pose = Pose { x_m: 0.01, y_m: 0.025, theta_rad: 0.0 };
+        let readings: Vec<_> = readings.iter().map(|&r| Some(r)).collect();
+        Scan { sensor: 0, time_s: 0.0, pose, bearings_rad: vec![0.0; readings.len()], readings }
+    }
+
+    /// `p` after the given odds ratios, from even odds.
+    fn after(ratios: &[f64]) -> f64 {
+        let odds: f64 = ratios.iter().product();
+        odds / (1.0 + odds)
+    }
+
+    #[test]
+    fn one_scan_by_hand() {
+        let mut mapper = mapper(LogOdds::OCTOMAP);
+        mapper.integrate(&scan(&[10.0])); // 1.51 m from the wall: cell 30
+        let p = mapper.occupancy().values();
+        assert!(p[..30].iter().all(|p| (p - 0.4).abs() < 1e-12));
+        assert!((p[30] - 0.7).abs() < 1e-12);
+        assert!(p[31..].iter().all(|p| (p - 0.1).abs() < 1e-12), "never updated: the prior");
+    }
+
+    #[test]
+    fn a_cell_is_updated_once_per_scan_and_a_hit_wins() {
+        for order in [[10.0, 12.0, 10.0], [12.0, 10.0, 10.0], [10.0, 10.0, 12.0]] {
+            let mut mapper = mapper(LogOdds::OCTOMAP);
+            mapper.integrate(&scan(&order)); // 15 / 12 = 1.25 m: cell 25, in front of cell 30
+            let p = mapper.occupancy().values();
+            assert!((p[25] - 0.7).abs() < 1e-12 && (p[30] - 0.7).abs() < 1e-12, "{order:?}");
+            assert!((p[27] - 0.4).abs() < 1e-12 && (p[3] - 0.4).abs() < 1e-12, "{order:?}");
+        }
+    }
+
+    #[test]
+    fn odds_multiply_up_to_the_clamps() {
+        let mut mapper = mapper(LogOdds::CARTOGRAPHER);
+        for _ in 0..2 {
+            mapper.integrate(&scan(&[10.0]));
+        }
+        let [hit, miss] = [0.55 / 0.45, 0.49 / 0.51];
+        assert!((mapper.occupancy()[30] - after(&[hit, hit])).abs() < 1e-12);
+        assert!((mapper.occupancy()[3] - after(&[miss, miss])).abs() < 1e-12);
+        for _ in 0..200 {
+            mapper.integrate(&scan(&[10.0]));
+        }
+        assert!((mapper.occupancy()[30] - 0.9).abs() < 1e-12 && (mapper.occupancy()[3] - 0.1).abs() < 1e-12);
+    }
+
+    proptest! {
+        /// To the bit: every cell of every ray, one by one, in a map that is all there.
+        #[test]
+        fn a_map_that_grows_in_lockstep_is_the_plain_one(
+            width in 1usize..70, height in 1usize..70, rays in prop::collection::vec((-4.0f64..4.0, 0.0f64..12.0), 1..40),
+            at in prop::array::uniform2(0.0f64..1.0), scans in 1usize..4,
+        ) {
+            let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width, height };
+            let model = Model::new(grid, Arc::new(Stereo { focal_baseline: 1.0, ..Stereo::default() }));
+            let rule = LogOdds::OCTOMAP;
+            let (mut mapper, Steps { hit, miss, low, high }) = (ConstantIncrements::new(&model, rule), rule.steps());
+            let mut plain: Vec<Option<f64>> = vec![None; grid.cells()];
+            let pose = Pose { x_m: at[0] * 0.05 * width as f64, y_m: at[1] * 0.05 * height as f64, theta_rad: 1.0 };
+            for number in 0..scans {
+                let (bearings_rad, readings) = rays.iter().map(|(b, r)| (*b, Some(r * (1 + number) as f64))).unzip();
+                let scan = Scan { sensor: 0, time_s: 0.0, pose, bearings_rad, readings };
+                mapper.integrate(&scan);
+                let mut seen = vec![0; grid.cells()];
+                for ray in scan.rays() {
+                    let Some(range) = Stereo { focal_baseline: 1.0, ..Stereo::default() }.range_of(ray.reading.expect("all read"), ray.bearing_rad) else { continue };
+                    let mut line = grid::DigitalLine::default();
+                    line.trace(&grid, ray.origin_m, ray.direction, range);
+                    for (cell, exit) in line.cells().iter().zip(&line.ranges()[1..]) {
+                        seen[*cell] = seen[*cell].max(if *exit >= range { 2 } else { 1 });
+                    }
+                }
+                for (cell, seen) in seen.iter().enumerate().filter(|(_, seen)| **seen > 0) {
+                    let before = plain[cell].unwrap_or_else(|| log_odds(rule.start));
+                    plain[cell] = Some((before + if *seen == 2 { hit } else { miss }).clamp(low, high));
+                }
+            }
+            for (cell, plain) in plain.iter().enumerate() {
+                let expected = plain.map_or(0.1, |odds| 1.0 / (1.0 + libm::exp(-odds)));
+                prop_assert_eq!(mapper.occupancy()[cell].to_bits(), expected.to_bits());
+            }
+            if let Some(seen) = mapper.seen() {
+                prop_assert!(seen.values().iter().any(|p| (p - 0.1).abs() > 1e-9));
+            }
+        }
+    }
+
+    /// Hornung et al. (2013): 0.12 and 0.97.
+    #[test]
+    fn octomap_stops_at_its_own_clamps() {
+        let mut mapper = mapper(LogOdds::OCTOMAP);
+        for _ in 0..20 {
+            mapper.integrate(&scan(&[10.0]));
+        }
+        assert!((mapper.occupancy()[30] - 0.97).abs() < 1e-12 && (mapper.occupancy()[3] - 0.12).abs() < 1e-12);
+    }
+
+    #[test]
+    fn points_outside_the_map_clear_up_to_the_border_and_infinity_clears_nothing() {
+        let mut mapper = mapper(LogOdds::OCTOMAP);
+        mapper.integrate(&scan(&[0.0]));
+        assert!(mapper.occupancy().values().iter().all(|p| (p - 0.1).abs() < 1e-12));
+        mapper.integrate(&scan(&[3.0])); // 5 m; the map ends at 2 m
+        assert!(mapper.occupancy().values().iter().all(|p| (p - 0.4).abs() < 1e-12));
+    }
+
+    #[test]
+    fn a_beam_without_echo_hits_nothing_and_clears_as_far_as_the_rule_says() {
+        for (rule, cleared) in [(LogOdds { no_echo_m: 1.0, ..LogOdds::CARTOGRAPHER }, 21), (LogOdds::OCTOMAP, 0)] {
+            let mut mapper = mapper(rule);
+            mapper.integrate(&scan(&[f64::INFINITY]));
+            let p = mapper.occupancy().values(); // 1.01 m from the border: up to cell 20
+            assert!(p[..cleared].iter().all(|p| (p - rule.miss).abs() < 1e-12), "{p:?}");
+            assert!(p[cleared..].iter().all(|p| (p - 0.1).abs() < 1e-12), "{p:?}");
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! Continuity without occlusion: the ablation that completes the paper's method, `independent` and
+//! `conventional` to a square.
+//!
+//! Every cell has likelihoods of its own, as in the conventional rule, so the ray is a hidden Markov
+//! chain: prior pairs from the map, one unary per cell. Its posterior is the forward-backward recursion
+//! of Rabiner, "A tutorial on hidden Markov models", Proceedings of the IEEE 77, 1989.
+
+use grid::{DigitalLine, Raster};
+use sensor::Scan;
+
+use crate::mapper::{Mapper, Work};
+use crate::memory::Held as _;
+use crate::model::{Model, Sensors};
+use crate::pairs::grid::PairwiseGrid;
+use crate::pairs::joint::Joint;
+use crate::pairs::moments::Moments;
+use crate::pairs::posterior::RayPosterior;
+use crate::pairs::reconcile::Reconciliation;
+use crate::ray::chain::Chain;
+use crate::rules::conventional::ConventionalRule;
+
+/// Updates the pairs along one ray with likelihoods of every cell by itself.
+///
+/// `unaries[k]` holds the likelihoods of what was seen at cell `k` if it is occupied and if it is free;
+/// only their ratio matters, and two zeros count as equal. `posterior.evidence` becomes the probability of
+/// all unaries together, which may underflow to 0. States that the unaries rule out altogether leave
+/// the pairs as they were. O(cells).
+///
+/// # Panics
+/// If the chain is empty, or there is not one pair of likelihoods per cell.
+pub fn posterior(chain: &Chain, unaries: &[[f64; 2]], posterior: &mut RayPosterior) {
+    assert!(!chain.is_empty(), "a ray has at least one cell");
+    assert_eq!(chain.len(), unaries.len(), "one pair of likelihoods per cell");
+    let mut behind = std::mem::take(&mut posterior.scratch);
+    backward(chain, unaries, &mut behind);
+    posterior.pairs.clear();
+    let p = chain.occupied(0);
+    let [occupied, free] = relative(unaries[0]);
+    let (mut front, mut evidence) = normalised([p * occupied, (1.0 - p) * free]);
+    let (first, last) = normalised([front[0] * behind[0], front[1] * behind[1]]);
+    posterior.first = first[0];
+    let mut possible = last > 0.0;
+    for j in 0..chain.len() - 1 {
+        let (t, u) = (chain.stays_occupied(j), chain.becomes_occupied(j));
+        let [occupied, free] = relative(unaries[j + 1]);
+        let ahead = Joint {
+            ee: front[0] * t * occupied,
+            ef: front[0] * (1.0 - t) * free,
+            fe: front[1] * u * occupied,
+            ff: front[1] * (1.0 - u) * free,
+        };
+        let [yes, no] = [behind[2 * j + 2], behind[2 * j + 3]];
+        let pair = Joint { ee: ahead.ee * yes, ef: ahead.ef * no, fe: ahead.fe * yes, ff: ahead.ff * no };
+        possible &= pair.total() > 0.0;
+        posterior.pairs.push(pair.scaled(1.0 / pair.total()));
+        let (next, weight) = normalised([ahead.second(), ahead.ef + ahead.ff]);
+        front = next;
+        evidence *= weight;
+    }
+    posterior.evidence = evidence;
+    if !possible {
+        posterior.evidence = 0.0;
+        chain.keep(posterior);
+    }
+    posterior.scratch = behind;
+}
+
+/// Likelihood of the unaries behind each cell if it is occupied and if it is free, up to a factor.
+fn backward(chain: &Chain, unaries: &[[f64; 2]], behind: &mut Vec<f64>) {
+    behind.clear();
+    behind.resize(2 * chain.len(), 1.0);
+    for j in (0..chain.len() - 1).rev() {
+        let (t, u) = (chain.stays_occupied(j), chain.becomes_occupied(j));
+        let [occupied, free] = relative(unaries[j + 1]);
+        let (yes, no) = (occupied * behind[2 * j + 2], free * behind[2 * j + 3]);
+        let (scaled, _) = normalised([t * yes + (1.0 - t) * no, u * yes + (1.0 - u) * no]);
+        behind[2 * j..2 * j + 2].copy_from_slice(&scaled);
+    }
+}
+
+/// Two zeros count as equal.
+fn relative(unary: [f64; 2]) -> [f64; 2] {
+    if unary[0] + unary[1] > 0.0 { unary } else { [1.0; 2] }
+}
+
+/// Scaled to add up to one, and the sum.
+fn normalised([a, b]: [f64; 2]) -> ([f64; 2], f64) {
+    let sum = a + b;
+    if sum > 0.0 { ([a / sum, b / sum], sum) } else { ([0.0; 2], 0.0) }
+}
+
+/// The paper's grid and reconciliation with the conventional likelihoods of each cell, Eqs. (23)-(26);
+/// cells behind the reading have none. O(cells on the ray) per ray.
+#[derive(Clone)]
+pub struct NoOcclusion {
+    pairs: PairwiseGrid,
+    sensors: Sensors,
+    /// The rule of every sensor.
+    rules: Vec<ConventionalRule>,
+    reconciliation: Reconciliation,
+    line: DigitalLine,
+    chain: Chain,
+    unaries: Vec<[f64; 2]>,
+    posterior: RayPosterior,
+    moments: Moments,
+    cells: u64,
+}
+
+impl NoOcclusion {
+    /// The unseen map, and every sensor's bin: the paper's of 1 px for its camera.
+    pub fn new(model: &Model) -> Self {
+        Self {
+            pairs: PairwiseGrid::prior(model.grid, &model.prior),
+            sensors: model.sensors.clone(),
+            rules: ConventionalRule::default().for_sensors(model),
+            reconciliation: model.reconciliation,
+            line: DigitalLine::default(),
+            chain: Chain::default(),
+            unaries: Vec::new(),
+            posterior: RayPosterior::default(),
+            moments: Moments::new(model.grid),
+            cells: 0,
+        }
+    }
+
+    /// The map with its joint probabilities.
+    pub fn pairs(&self) -> &PairwiseGrid {
+        &self.pairs
+    }
+}
+
+impl Mapper for NoOcclusion {
+    fn integrate(&mut self, scan: &Scan) {
+        let sensor = &**self.sensors.of(scan);
+        let rule = self.rules[scan.sensor];
+        for ray in scan.rays() {
+            let Some(reading) = ray.reading else { continue };
+            self.line.trace(self.pairs.spec(), ray.origin_m, ray.direction, f64::INFINITY);
+            if self.line.is_empty() {
+                continue;
+            }
+            self.chain.gather(&self.pairs, self.line.cells());
+            self.unaries.clear();
+            self.unaries.extend(self.line.ranges().windows(2).map(|chord| {
+                let likelihoods = rule.likelihoods(sensor, reading, ray.bearing_rad, chord[0], chord[1]);
+                likelihoods.unwrap_or([1.0; 2]) // Eqs. (23)-(26)
+            }));
+            posterior(&self.chain, &self.unaries, &mut self.posterior);
+            self.moments.add(self.line.cells(), &self.posterior); // Eq. (20)
+            self.cells += self.line.len() as u64;
+        }
+        self.pairs.reconcile(&mut self.moments, self.reconciliation); // Eqs. (18)-(20)
+        debug_assert_eq!(self.pairs.check(), Ok(()));
+    }
+
+    fn occupancy(&self) -> &Raster<f64> {
+        self.pairs.marginals()
+    }
+
+    fn fork(&self) -> Option<Box<dyn Mapper>> {
+        Some(Box::new(self.clone()))
+    }
+
+    fn work(&self) -> Work {
+        let ray = self.line.held() + self.chain.held() + self.unaries.held() + self.posterior.held();
+        Work { cells: self.cells, bytes: self.pairs.held() + self.moments.held() + ray }
+    }
+}

@@ -1,0 +1,133 @@
+//! `visibility`, fast, against its reference: one scan after the other from the same map.
+
+mod difference;
+
+use std::sync::Arc;
+
+use difference::difference;
+use grid::GridSpec;
+use mapper::{FastVisibility, Lateral, Mapper as _, Model, Prior, Reconciliation, Visibility};
+use proptest::prelude::*;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng as _;
+use sensor::{Pose, Scan, Stereo};
+
+/// A scan from a random place: readings of walls, at random, and none.
+fn scan(rng: &mut ChaCha8Rng, spec: &GridSpec, columns: usize, stereo: &Stereo) -> Scan {
+    let size = [spec.width as f64 * spec.cell_m, spec.height as f64 * spec.cell_m];
+    let on_line = rng.random::<f64>() < 0.1;
+    let place = |size: f64, rng: &mut ChaCha8Rng| {
+        let at = size * rng.random::<f64>();
+        if on_line { (at / spec.cell_m).floor() * spec.cell_m } else { at }
+    };
+    let pose = Pose { x_m: place(size[0], rng), y_m: place(size[1], rng), theta_rad: 7.0 * rng.random::<f64>() };
+    let wall = size[0] * rng.random::<f64>();
+    let field = if rng.random::<f64>() < 0.1 { 6.2 } else { 1.4 };
+    let bearings_rad: Vec<f64> = (0..columns).map(|k| field * ((k as f64 + 0.5) / columns as f64 - 0.5)).collect();
+    let reading = |bearing: f64, rng: &mut ChaCha8Rng| match rng.random::<f64>() {
+        p if p < 0.15 => None,
+        p if p < 0.35 => Some(stereo.max_disparity * rng.random::<f64>()),
+        _ => Some((stereo.disparity(wall, bearing) + 0.5 * rng.random::<f64>()).clamp(0.0, stereo.max_disparity)),
+    };
+    let readings = bearings_rad.iter().map(|bearing| reading(*bearing, rng)).collect();
+    Scan { sensor: 0, time_s: 0.0, pose, bearings_rad, readings }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+    #[test]
+    fn a_scan_differs_from_the_reference_by_less_than_a_hundred_thousandth(
+        seed: u64, width in 1usize..90, height in 1usize..90, columns in 1usize..120, cell_m in 0.02f64..0.3,
+        occupancy in 0.01f64..0.6, correlation in 0.0f64..0.99, touched: bool, continuity: bool,
+        sigma in 0.1f64..2.0, correct_match in 0.2f64..0.99,
+    ) {
+        let grid = GridSpec { cell_m, origin_m: [0.0; 2], width, height };
+        let stereo = Stereo { disparity_sigma: sigma, correct_match, ..Stereo::default() };
+        let prior = Prior { occupancy, correlation, ..Prior::default() };
+        let reconciliation = if touched { Reconciliation::Touched } else { Reconciliation::AllEdges };
+        let setup = Model { prior, reconciliation, ..Model::new(grid, Arc::new(stereo)) };
+        let mut fast = if continuity { FastVisibility::visibility(&setup) } else { FastVisibility::independent(&setup) };
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        for _ in 0..6 {
+            let mut reference = if continuity { Visibility::exact(&setup) } else { Visibility::independent(&setup) };
+            reference.set_pairs(fast.pairs());
+            let scan = scan(&mut rng, &grid, columns, &stereo);
+            fast.integrate(&scan);
+            reference.integrate(&scan);
+            let found = difference(&fast.pairs(), reference.pairs());
+            prop_assert!(found < 1e-5, "{found} at {:?}", scan.pose);
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+    #[test]
+    fn with_continuity_across_rays_too(
+        seed: u64, width in 1usize..90, height in 1usize..90, columns in 1usize..120, cell_m in 0.02f64..0.3,
+        occupancy in 0.01f64..0.6, correlation in 0.0f64..0.99, rays: bool, edges: bool,
+        learnt in 0.0f64..4.0, before in 0.1f64..4.0, sigma in 0.1f64..2.0, correct_match in 0.2f64..0.99,
+    ) {
+        let grid = GridSpec { cell_m, origin_m: [0.0; 2], width, height };
+        let stereo = Stereo { disparity_sigma: sigma, correct_match, ..Stereo::default() };
+        let prior = Prior { occupancy, correlation, ..Prior::default() };
+        let setup = Model { prior, ..Model::new(grid, Arc::new(stereo)) };
+        let lateral = Lateral { rays, edges, learnt, before };
+        let mut fast = FastVisibility::lateral(&setup, lateral);
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        for _ in 0..6 {
+            let mut reference = Visibility::lateral(&setup, lateral);
+            reference.set_pairs(fast.pairs());
+            let scan = scan(&mut rng, &grid, columns, &stereo);
+            fast.integrate(&scan);
+            reference.integrate(&scan);
+            let found = difference(&fast.pairs(), reference.pairs());
+            prop_assert!(found < 1e-5, "{found} at {:?}", scan.pose);
+        }
+    }
+}
+
+#[test]
+fn the_map_does_not_depend_on_the_threads() {
+    let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: 150, height: 120 };
+    let setup = Model::new(grid, Arc::new(Stereo::default()));
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let scans: Vec<Scan> = (0..5).map(|_| scan(&mut rng, &grid, 1500, &Stereo::default())).collect();
+    let lateral = |setup: &Model| FastVisibility::lateral(setup, Lateral::default());
+    for unseen in [FastVisibility::visibility, lateral] {
+        let on = |threads: usize| {
+            let mut mapper = unseen(&setup);
+            scans.iter().for_each(|scan| mapper.integrate_on(scan, threads));
+            mapper.pairs()
+        };
+        let one = on(1);
+        assert_ne!(one, unseen(&setup).pairs());
+        for threads in [2, 3, 7] {
+            assert!(on(threads) == one, "{threads} threads");
+        }
+    }
+}
+
+/// More rays than its counters can hold: every second ray makes a scan of its own.
+#[test]
+fn a_scan_of_too_many_rays_is_taken_in_passes() {
+    let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: 30, height: 3 };
+    let setup = Model::new(grid, Arc::new(Stereo::default()));
+    let rays = FastVisibility::MOST_RAYS + 7;
+    let pose = Pose { x_m: 0.01, y_m: 0.07, theta_rad: 0.0 };
+    let bearings_rad: Vec<f64> = (0..rays).map(|k| 1e-7 * k as f64).collect();
+    let readings: Vec<Option<f64>> = (0..rays).map(|k| Some(11.0 + (k % 5) as f64)).collect();
+    let whole = Scan { sensor: 0, time_s: 0.0, pose, bearings_rad, readings };
+    let half = |first: usize| {
+        let every = |k: &usize| k % 2 == first;
+        let of = |k: usize| (whole.bearings_rad[k], whole.readings[k]);
+        let (bearings_rad, readings) = (0..rays).filter(every).map(of).unzip();
+        Scan { bearings_rad, readings, ..whole.clone() }
+    };
+    let [mut once, mut twice] = [(); 2].map(|()| FastVisibility::visibility(&setup));
+    once.integrate(&whole);
+    [half(0), half(1)].iter().for_each(|scan| twice.integrate(scan));
+    assert_eq!(once.pairs(), twice.pairs());
+    assert!(once.occupancy()[grid.locate([0.5, 0.07]).expect("inside")] < 0.01);
+    assert_eq!(once.work().cells, twice.work().cells);
+}

@@ -1,0 +1,51 @@
+//! What mappers say of their work: cells updated, and memory.
+
+use std::sync::Arc;
+
+use grid::GridSpec;
+use mapper::catalogue::MAPPERS;
+use mapper::{Mapper, Model};
+use sensor::{Pose, Scan, Stereo};
+
+/// Three rays along a row of 40 cells: two readings of 15 / 10 = 1.5 m, in cell 30, and none.
+#[test]
+fn every_mapper_that_counts_counts_rays_times_cells() {
+    let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: 40, height: 1 };
+    let sensor = Arc::new(Stereo::default());
+    let setup = Model::new(grid, sensor);
+    let pose = Pose { x_m: 0.01, y_m: 0.025, theta_rad: 0.0 };
+    let readings = vec![Some(10.0), None, Some(10.0)];
+    let scan = Scan { sensor: 0, time_s: 0.0, pose, bearings_rad: vec![0.0; 3], readings };
+    for entry in MAPPERS {
+        let mut mapper = (entry.build)(&setup);
+        assert_eq!(mapper.work().cells, 0, "{}: nothing done", entry.name);
+        mapper.integrate(&scan);
+        assert!(mapper.work().bytes >= 40 * 8, "{}: {:?}", entry.name, mapper.work());
+        let expected = match entry.name {
+            "forward-em" | "mrf" | "prior" => 0, // they do not count
+            name if name.starts_with("log-odds") => 2 * 31,
+            "conventional" | "conventional-tuned" => 2 * 32, // up to 15 / 9.5 = 1.57 m
+            _ => 2 * 40,
+        };
+        assert_eq!(mapper.work().cells, expected, "{}", entry.name);
+        mapper.integrate(&scan);
+        assert_eq!(mapper.work().cells, 2 * expected, "{}: since it was made", entry.name);
+    }
+}
+
+#[test]
+fn memory_grows_with_the_map() {
+    let bytes = |width| {
+        let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width, height: 10 };
+        let sensor = Arc::new(Stereo::default());
+        let setup = Model::new(grid, sensor);
+        let shown = |mapper: &dyn Mapper| {
+            mapper.occupancy();
+            mapper.work().bytes
+        };
+        MAPPERS.iter().map(|entry| shown(&*(entry.build)(&setup))).collect::<Vec<_>>()
+    };
+    for (small, large) in bytes(1000).into_iter().zip(bytes(10_000)) {
+        assert!(large > 9 * small && large < 11 * small, "{small} {large}");
+    }
+}

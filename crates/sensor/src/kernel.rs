@@ -1,0 +1,13 @@
+//! The sensor kernel: what every mapper needs of a sensor.
+
+/// The sensor kernel `P(o | F_k)` of Eq. (21): how likely a reading is where cell `k` of its ray is the first occupied one.
+///
+/// `reading` is in the sensor's own unit (px for disparity, m for range); `bearing` is the angle between the
+/// ray and the optical axis in radians; ranges are in metres along the ray. `f64::INFINITY` is the reading of
+/// a sensor that measures that nothing came back: an event of its own, for which likelihoods are probabilities.
+pub trait Kernel: Send + Sync {
+    /// Writes `P(o | F_k)`, per unit of the reading, for every chord `ranges[k] ..= ranges[k + 1]`.
+    ///
+    /// `ranges` never decreases and is one longer than `likelihood`.
+    fn likelihood(&self, reading: f64, bearing: f64, ranges: &[f64], likelihood: &mut [f64]);
+}
