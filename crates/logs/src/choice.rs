@@ -49,9 +49,8 @@ impl Choice {
     pub(crate) fn see(&mut self, recorded: &Recorded, report: &mut Report) {
         let now = (recorded.scan.time_s, recorded.number);
         let before = self.before.insert(recorded.sensor, now);
-        if let Some((time_s, number)) = before.filter(|(time_s, number)| now.0 < *time_s || now.1 < *number) {
-            let by_s = (time_s - now.0).max(0.0);
-            report.step_back(recorded.line, if by_s > 0.0 || number.is_none() { by_s } else { 0.0 });
+        if let Some((time_s, _)) = before.filter(|(time_s, number)| now.0 < *time_s || now.1 < *number) {
+            report.step_back(recorded.line, (time_s - now.0).max(0.0));
         }
         report.at(now.0 - self.start_s);
     }

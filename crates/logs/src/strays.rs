@@ -48,7 +48,8 @@ impl Strays {
             return;
         }
         if self.drive.is_some_and(|drive| near(drive, place)) {
-            self.leave_out(report);
+            self.leave_out(place, report);
+            self.release(out);
             self.drive = Some(place);
             out.push_back(recorded);
             return;
@@ -62,8 +63,10 @@ impl Strays {
         });
         self.groups[group].push((self.seen, recorded));
         if self.groups[group].len() == SURE {
-            out.extend(self.groups.swap_remove(group).into_iter().map(|(_, recorded)| recorded));
-            self.leave_out(report);
+            let sure = self.groups.swap_remove(group);
+            self.leave_out(sure.first().map_or(place, |(_, first)| self::place(first)), report);
+            self.groups.push(sure);
+            self.release(out);
             self.drive = Some(place);
         } else if self.groups.iter().map(Vec::len).sum::<usize>() > MOST {
             self.given_up = true;
@@ -73,20 +76,30 @@ impl Strays {
 
     /// The log ends.
     pub(crate) fn end(&mut self, report: &mut Report, out: &mut VecDeque<Recorded>) {
-        if self.drive.is_some() { self.leave_out(report) } else { self.release(out) }
+        if let Some(drive) = self.drive {
+            self.leave_out(drive, report);
+        }
+        self.release(out);
     }
 
+    /// Adds all scans that wait.
     fn release(&mut self, out: &mut VecDeque<Recorded>) {
         let mut all: Vec<_> = self.groups.drain(..).flatten().collect();
         all.sort_by_key(|(number, _)| *number);
         out.extend(all.into_iter().map(|(_, recorded)| recorded));
     }
 
-    fn leave_out(&mut self, report: &mut Report) {
-        let drive = self.drive.map(|(pose, _)| pose);
-        for (_, recorded) in self.groups.drain(..).flatten() {
-            let away_m = drive.map_or(f64::INFINITY, |drive| distance_m(drive, recorded.scan.pose));
-            report.stray(Stray { line: recorded.line, away_m });
+    /// Leaves out what is not near this place of the drive: a bad pose may have parted scans of the drive from it.
+    fn leave_out(&mut self, drive: (Pose, f64), report: &mut Report) {
+        for group in &mut self.groups {
+            group.retain(|(_, recorded)| {
+                let kept = near(drive, place(recorded));
+                if !kept {
+                    let away_m = distance_m(drive.0, recorded.scan.pose);
+                    report.stray(Stray { line: recorded.line, away_m });
+                }
+                kept
+            });
         }
     }
 }
@@ -124,6 +137,16 @@ mod tests {
             at.iter().for_each(|k| places[*k as usize] += 588e3);
             let expected: Vec<u64> = (0..40).filter(|k| !at.contains(k)).collect();
             assert_eq!(kept(&places), (expected, at.len() as u64), "{at:?}");
+        }
+    }
+
+    #[test]
+    fn a_bad_pose_that_can_just_be_reached_costs_no_other_scan() {
+        for at in [0, 3, 9, 10, 25] {
+            let mut places: Vec<f64> = (0..40).map(f64::from).collect();
+            places[at] += 55.0; // 60 m are near after a second
+            let (kept, strays) = kept(&places);
+            assert!(kept.len() >= 39 && kept.len() as u64 + strays == 40, "{at}: {kept:?}");
         }
     }
 

@@ -68,7 +68,11 @@ impl fmt::Display for Finding {
                 step.turn_bound_rad().to_degrees()
             ),
             Self::StepsBack { count, largest_s, line, window } => {
-                write!(f, "{count} steps back in time, the largest of {largest_s:.1} s at line {line}")?;
+                if *largest_s > 0.0 {
+                    write!(f, "{count} steps back in time, the largest of {largest_s:.1} s at line {line}")?;
+                } else {
+                    write!(f, "{count} scans have a lower number than the one before, first at line {line}")?;
+                }
                 let hint = "are there two clocks, or two logs in one?";
                 if *window {
                     write!(f, ": --window takes scans of several parts of the log; {hint}")

@@ -102,7 +102,8 @@ impl Survey {
         let high = self.high.map(|at| corner(at, MARGIN_M + cell_m));
         let size = |high: f64, low: f64| format!("{:.0} m", high - low);
         let extent = || format!("{} x {}", size(high[0], low[0]), size(high[1], low[1]));
-        let grid = GridSpec::covering(low, high, cell_m).map_err(|error| refuse(format!("{}: {error}", extent())))?;
+        let grid = GridSpec::covering(low, high, cell_m)
+            .map_err(|error| refuse(format!("{}: {error}{}", extent(), self.longest())))?;
         if grid.cells() > MOST_CELLS {
             return Err(refuse(format!(
                 "the map of {} has {} cells of {cell_m} m, more than {MOST_CELLS}; use larger cells (--grid), a shorter --reach, or \
