@@ -19,7 +19,7 @@ const LEVELS: [&[&str]; 6] = [
 ];
 
 /// Crates that still have circles.
-const CIRCULAR: [&str; 3] = ["crates/logs", "crates/mapper", "crates/scene"];
+const CIRCULAR: [&str; 1] = ["crates/scene"];
 
 /// The arrows of a crate of this repository.
 fn of_crate(folder: &str) -> Arrows {

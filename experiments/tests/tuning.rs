@@ -58,6 +58,26 @@ fn what_is_built_in_is_what_the_committed_table_calls_best() {
     assert!(listed.eq(candidates), "the table is of another grid: run `tune` again");
 }
 
+/// The part of the committed table that takes seconds to compute is computed again.
+#[test]
+fn the_committed_table_is_what_tune_finds_for_visibility() {
+    let top = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let place = tempfile::tempdir().expect("temporary folder");
+    let mut command = Command::cargo_bin("experiments").expect("built");
+    command.current_dir(&top).args(["tune", "--mappers", "visibility", "--format", "csv", "--out"]).arg(place.path());
+    let (found, _) = checked(0, &"tune", &command.output().expect("runs"));
+    let committed = rows(&fs::read(top.join("results/tuning/tuning.csv")).expect("results/tuning is committed"));
+    let found = rows(found.as_bytes());
+    assert_eq!(found.len(), 2);
+    for (found, committed) in found.iter().zip(&committed) {
+        for (now, then) in found.iter().zip(committed) {
+            let near = |now: f64, then: f64| (now - then).abs() < 1e-5; // what single precision may change in a map
+            let same = now == then || matches!((now.parse(), then.parse()), (Ok(now), Ok(then)) if near(now, then));
+            assert!(same, "{found:?} {committed:?}");
+        }
+    }
+}
+
 #[test]
 fn the_best_has_the_least_log_loss_of_its_mapper() {
     let place = place();

@@ -21,8 +21,17 @@ pub type Column<'a, R> = (&'static str, &'a dyn Fn(&R) -> Value);
 impl Table {
     /// The table of some rows.
     pub fn of<R>(rows: &[R], columns: &[Column<R>]) -> Self {
-        let row = |row: &R| columns.iter().map(|(_, value)| value(row)).collect();
-        Self { columns: columns.iter().map(|(name, _)| *name).collect(), rows: rows.iter().map(row).collect() }
+        Self { columns: Vec::new(), rows: vec![Vec::new(); rows.len()] }.and(rows, columns)
+    }
+
+    /// Adds columns for the same rows.
+    #[must_use]
+    pub fn and<R>(mut self, rows: &[R], columns: &[Column<R>]) -> Self {
+        self.columns.extend(columns.iter().map(|(name, _)| *name));
+        for (own, row) in self.rows.iter_mut().zip(rows) {
+            own.extend(columns.iter().map(|(_, value)| value(row)));
+        }
+        self
     }
 
     /// Adds a column for each name; `value` is given a row and the number of the name.

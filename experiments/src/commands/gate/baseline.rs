@@ -4,7 +4,7 @@ use std::fs;
 use std::io::{self, Write as _};
 use std::path::Path;
 
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::file::Gate;
 use super::measure::{ValueKey, Values};
@@ -86,20 +86,22 @@ fn row(record: &csv::StringRecord) -> Option<(ValueKey, Option<f64>)> {
 /// # Errors
 /// None but a defect.
 pub fn text(values: &Values) -> Result<Vec<u8>, Failure> {
-    type Row<'a> = (&'a ValueKey, &'a Option<f64>);
-    let rows: Vec<Row> = values.iter().collect();
-    let columns: [&dyn Fn(&Row) -> Value; 8] = [
-        &|(key, _)| json!(key.mapper),
-        &|(key, _)| json!(key.metric),
-        &|(key, _)| json!(key.region),
-        &|(key, _)| json!(key.world.family),
-        &|(key, _)| json!(key.world.condition),
-        &|(key, _)| optional(key.world.cell_m()),
-        &|(key, _)| json!(key.world.seed),
-        &|(_, value)| optional(**value),
-    ];
-    let columns: Vec<_> = COLUMNS.into_iter().zip(columns).collect();
-    Table::of(&rows, &columns).csv()
+    let rows: Vec<(&ValueKey, &Option<f64>)> = values.iter().collect();
+    let table = Table::of(
+        &rows,
+        &[
+            ("mapper", &|(key, _)| json!(key.mapper)),
+            ("metric", &|(key, _)| json!(key.metric)),
+            ("region", &|(key, _)| json!(key.region)),
+            ("family", &|(key, _)| json!(key.world.family)),
+            ("condition", &|(key, _)| json!(key.world.condition)),
+            ("grid", &|(key, _)| optional(key.world.cell_m())),
+            ("seed", &|(key, _)| json!(key.world.seed)),
+            ("value", &|(_, value)| optional(**value)),
+        ],
+    );
+    debug_assert_eq!(table.columns(), COLUMNS, "what is written can be read");
+    table.csv()
 }
 
 /// Writes the baselines whole or not at all.

@@ -71,8 +71,13 @@ fn shard_of(at: u64, jobs: u64, shards: u32) -> u32 {
 impl Head {
     /// What [`sweep`](Self::sweep) must be for jobs with these ids.
     fn sweep_digest(&self, ids: impl Iterator<Item = impl AsRef<[u8]>>) -> String {
+        // The form never changes: by this digest, sweeps that were planned by other builds are found again.
+        let site = |SourceFile { file, digest, family }: &SourceFile| {
+            format!("Site {{ file: {file:?}, digest: {digest:?}, family: {family:?} }}")
+        };
+        let sites = self.sites.iter().map(site).collect::<Vec<_>>().join(", ");
         let mut digest = Running::default();
-        digest.add(format!("{} {} {:?} {:?}", self.jobs, self.shards, self.keys, self.sites).as_bytes());
+        digest.add(format!("{} {} {:?} [{sites}]", self.jobs, self.shards, self.keys).as_bytes());
         ids.for_each(|id| digest.add(id.as_ref()));
         digest.hex()
     }

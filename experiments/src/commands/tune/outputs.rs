@@ -28,12 +28,15 @@ pub fn table(fits: &[TunedFit]) -> Table {
         &[("mapper", &|row| json!(row.0.tuned.name())), ("reconciliation", &|row| json!(row.1.reconciliation()))],
     )
     .with(&rows, &Candidate::PARAMETERS, |row, number| json!(row.1.parameters()[number]))
-    .with(&rows, &["worlds", "log_loss", "brier", "best"], |(fit, candidate, errors), number| match number {
-        0 => json!(fit.worlds),
-        1 => rounded(errors.log_loss),
-        2 => rounded(errors.brier),
-        _ => json!(*candidate == fit.best()),
-    })
+    .and(
+        &rows,
+        &[
+            ("worlds", &|row| json!(row.0.worlds)),
+            ("log_loss", &|row| rounded(row.2.log_loss)),
+            ("brier", &|row| rounded(row.2.brier)),
+            ("best", &|row| json!(row.1 == row.0.best())),
+        ],
+    )
 }
 
 /// The best candidates of each mapper, and what is to be made of the first.
