@@ -17,8 +17,8 @@ pub use viewing_ray::{MOST_CELLS, ViewingRay, both};
 use std::io::{self, Write as _};
 use std::path::Path;
 
-use scene::reader::nearest;
 use serde_json::json;
+use strict::nearest;
 
 use crate::claims::{self, Claim};
 use crate::cli::Format;

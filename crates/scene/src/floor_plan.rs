@@ -5,11 +5,10 @@ use std::fs::File;
 use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 
-use grid::excerpt::{LONGEST_REPORT, excerpt};
 use serde::de::{Deserialize, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
+use strict::{LONGEST_REPORT, Place, excerpt};
 use thiserror::Error;
 
-use crate::Place;
 use crate::geometry::{crossing, distance, signed_area};
 
 /// A plan of 400 corners has 16 KiB.

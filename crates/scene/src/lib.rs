@@ -24,6 +24,7 @@ mod floor_plan;
 mod from_map;
 mod generate;
 mod geometry;
+mod load;
 mod memory;
 mod scene;
 mod shape;
@@ -33,22 +34,23 @@ mod truth;
 mod world;
 
 pub use drive::{Drive, TimedPose, drive};
-/// Strict reading of TOML files, for files of other kinds than scenes.
+/// What other files than scenes share with them: the camera's table, the limits of their numbers, and other values in the
+/// place of a file's own.
 pub mod reader {
     pub use crate::file::camera::{CLUSTERING, stereo};
     pub use crate::file::edit::{Given, Override, with};
     pub use crate::file::limits;
-    pub use crate::file::table::{Limit, Source, Table, Value, nearest, number};
-    pub use crate::file::{open, read};
 }
 
-pub use error::{ErrorKind, Place, Problem, SceneError};
-pub use family::{Family, Set, Variation, load};
+pub use error::{Problem, SceneError};
+pub use family::{Family, Set, Variation};
 pub use floor_plan::{FloorPlan, FloorPlanError};
 pub use from_map::{MadeScene, MakeError, from_map, from_plan};
+pub use load::load;
 pub use scene::{Area, Obstacle, Origin, Region, Robot, Scene, StagePlan, Stop, Waypoint};
 pub use shape::Shape;
 pub use simulate::{SimulatedScan, Simulation, Stage, simulate};
+pub use strict::{ErrorKind, Place};
 pub use survey::{Survey, SurveyError, SurveyOptions, survey};
 pub use truth::{truth, truth_at_centres};
 pub use world::{Hit, World};

@@ -8,7 +8,7 @@ use std::io::{self, BufRead as _, BufReader};
 use std::path::Path;
 
 use csv::StringRecord;
-use scene::reader::nearest;
+use strict::nearest;
 
 use self::lines::Lines;
 use self::row::Row;

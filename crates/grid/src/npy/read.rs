@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use crate::excerpt::{LONGEST_VALUE, excerpt};
+use strict::{LONGEST_VALUE, excerpt};
 
 use super::header::Header;
 

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use serde_saphyr::Spanned;
 
-use crate::excerpt::{LONGEST_REPORT, LONGEST_VALUE, excerpt};
+use strict::{LONGEST_REPORT, LONGEST_VALUE, excerpt};
 
 use super::{Coding, Mode, Place, RosMapError, Thresholds};
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use crate::excerpt::excerpt;
+use strict::excerpt;
 
 /// A place in a text file.
 #[derive(Debug, Clone, PartialEq, Eq)]

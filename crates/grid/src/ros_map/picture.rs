@@ -6,7 +6,7 @@ use std::path::Path;
 
 use image::{DynamicImage, ImageDecoder as _, ImageError, ImageFormat, ImageReader};
 
-use crate::excerpt::{LONGEST_REPORT, excerpt};
+use strict::{LONGEST_REPORT, excerpt};
 
 use super::RosMapError;
 use super::netpbm::{self, Defect};

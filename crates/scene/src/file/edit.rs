@@ -2,8 +2,8 @@
 
 use toml_edit::{Array, DocumentMut, Item, Table};
 
-use super::open;
 use crate::SceneError;
+use strict::open;
 
 /// A value to take the place of what a scene or family file says under `[section]`, `key`.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,12 +4,13 @@ use std::path::Path;
 
 use grid::{GridSpec, Raster};
 
+use strict::{Limit, Table};
+
+use super::beside;
+use super::obstacles::texture;
 use crate::floor_plan::FloorPlan;
 use crate::geometry::{distance, sides};
 use crate::{Obstacle, Origin, Problem, SceneError, Shape};
-
-use super::obstacles::texture;
-use super::table::{Limit, Table};
 
 /// Thickness of the walls where the file says none, m.
 pub(crate) const THICKNESS_M: f64 = 0.02;
@@ -35,11 +36,13 @@ pub(super) fn read(root: &Table, scene: &Path) -> Result<Option<Plan>, SceneErro
     table.only(&["file", "thickness", "texture"])?;
     let texture = texture(&table)?;
     let thickness_m = table.optional_number("thickness", &THICKNESS)?.unwrap_or(THICKNESS_M);
-    let Some(value) = table.get("file") else { return Err(table.missing("file", "`file = \"plans/....json\"`")) };
-    let name = table.file(value, "the name of a floor plan's JSON file")?;
+    let Some(value) = table.get("file") else {
+        return Err(table.missing("file", "`file = \"plans/....json\"`").into());
+    };
+    let name = beside::name(&table, value, "the name of a floor plan's JSON file")?;
     let path = scene.parent().unwrap_or(Path::new("")).join(name);
-    let plan = FloorPlan::load(&path).map_err(|error| root.source().error(value.span().start, Problem::Plan(error)))?;
-    Ok(Some(Plan { plan, thickness_m, texture, line: table.line() }))
+    let plan = FloorPlan::load(&path).map_err(|error| SceneError::at(table.place_of("file"), Problem::Plan(error)))?;
+    Ok(Some(Plan { plan, thickness_m, texture, line: table.place().line }))
 }
 
 impl Plan {

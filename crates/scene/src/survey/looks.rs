@@ -4,7 +4,7 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::f64::consts::{PI, TAU};
 
-use super::SurveyOptions;
+use super::plan::SurveyOptions;
 use super::route::stops_m;
 use super::sight::Sight;
 use super::space::Space;

@@ -3,7 +3,7 @@
 use grid::{DigitalLine, GridSpec, Raster};
 use rayon::prelude::*;
 
-use super::SurveyOptions;
+use super::plan::SurveyOptions;
 use crate::drive::course;
 
 /// Looks over the grid. What is not free hides what is behind it.
