@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use strict::Place;
 
+use crate::file::edit::quoted;
 use crate::generate::{self, Layout, Plan};
 use crate::{Problem, Scene, SceneError};
 
@@ -150,8 +151,7 @@ impl Family {
         let [width, height] = layout.size_m;
         let mut text =
             format!("# Layout {seed} of the family {name}, obstacle size times {}.\n\n", variation.size_factor);
-        let quoted = description.replace('\\', "\\\\").replace('"', "\\\"");
-        let _ = write!(text, "name = \"{name}-{seed}\"\ndescription = \"{quoted}\"\n\n");
+        let _ = write!(text, "name = \"{name}-{seed}\"\ndescription = {}\n\n", quoted(description));
         let _ = write!(text, "[bounds]\nmin = [0.0, 0.0]\nmax = [{width:?}, {height:?}]\n\n");
         for piece in &layout.pieces {
             let _ = write!(text, "{piece}\n\n");

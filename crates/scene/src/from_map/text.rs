@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::path::{Component, Path, PathBuf};
 
+use crate::file::edit::quoted;
 use crate::survey::{Survey, SurveyOptions};
 
 /// Width of the lines that list stops.
@@ -161,10 +162,6 @@ fn list(names: &[String]) -> String {
         [only] => format!("[{}]", only.trim_end_matches(',')),
         _ => format!("[\n    {}\n]", lines.join("\n    ")),
     }
-}
-
-fn quoted(text: &str) -> String {
-    toml_edit::Value::from(text).to_string()
 }
 
 /// The name of the file as the name of a scene.
