@@ -1,11 +1,12 @@
 //! `check SCENE`: is the scene valid, and what does it hold?
 
 use mapper::Prior;
+use scene::enclosure;
 use score::{Sight, Sightings};
 use serde_json::{Value, json};
 
 use crate::cli::{CheckOptions, Format};
-use crate::failure::Failure;
+use crate::failure::{self, Failure};
 use crate::table::{self, Table, aligned, rounded};
 use crate::trial::Ground;
 
@@ -15,6 +16,8 @@ use crate::trial::Ground;
 /// The first problem with the scene or its route.
 pub fn run(options: &CheckOptions) -> Result<(), Failure> {
     let ground = Ground::new(scene::load(&options.scene, options.grid, options.layout)?, Prior::default().occupancy)?;
+    failure::warn(&ground.scene.warnings);
+    failure::warn(enclosure(&ground.scene, &ground.world, &ground.drive).warning(&options.scene).as_slice());
     let mut table = Table::new(&["item", "value", "unit"]);
     for (item, value, unit) in facts(&ground) {
         table.push(vec![json!(item), value, json!(unit)]);

@@ -6,11 +6,11 @@ mod output;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use grid::ros_map::{Coding, Mode, Thresholds};
+use grid::ros_map::{Coding, Mode, Thresholds, Warning};
 use grid::{GridSpec, Raster};
 
 use crate::cli::{positive, probability};
-use crate::failure::Failure;
+use crate::failure::{self, Failure};
 use crate::{interruption, table};
 
 /// Options of `convert`.
@@ -25,9 +25,12 @@ pub struct ConvertOptions {
     /// What the shades of a written image mean [default: trinary, with a second file in raw for a .yaml where that says more]
     #[arg(long, value_enum)]
     pub mode: Option<Shading>,
-    /// What the shades of an image read without YAML mean
-    #[arg(long, value_enum, default_value_t, value_name = "MODE")]
-    pub read_as: Shading,
+    /// What the shades of an image read without YAML mean [default: trinary]
+    #[arg(long, value_enum, value_name = "MODE")]
+    pub read_as: Option<Shading>,
+    /// Which row of the map an .npy file begins with: of IN if it is one, else of OUT
+    #[arg(long, value_enum, value_name = "ROW")]
+    pub row_order: Option<RowOrder>,
     /// A cell is occupied above this share [default: that of IN, or 0.65]
     #[arg(long, value_name = "P", allow_negative_numbers = true, value_parser = probability)]
     pub occupied_thresh: Option<f64>,
@@ -55,6 +58,26 @@ pub enum Shading {
     Scale,
     /// percent as brightness of 255
     Raw,
+}
+
+/// The row of the map that an array begins with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum RowOrder {
+    /// the top one, as in pictures
+    Top,
+    /// the lowest one, as y runs [default]
+    #[default]
+    Bottom,
+}
+
+impl RowOrder {
+    /// The cells of an array in the other order of rows, if need be.
+    fn apply(self, cells: Vec<Option<f32>>, width: usize) -> Vec<Option<f32>> {
+        match self {
+            Self::Top => cells.chunks(width).rev().flatten().copied().collect(),
+            Self::Bottom => cells,
+        }
+    }
 }
 
 impl From<Shading> for Mode {
@@ -102,6 +125,8 @@ struct Map {
     thresholds: Thresholds,
     /// The files that it was read from.
     sources: Vec<PathBuf>,
+    /// What is suspicious about it.
+    warnings: Vec<Warning>,
 }
 
 /// Reads, writes, and says on stdout what was written.
@@ -116,7 +141,9 @@ pub fn run(options: &ConvertOptions) -> Result<(), Failure> {
         return Err(Failure::BadInput(message.to_owned()));
     }
     let kind = output::Kind::of(&options.output)?;
+    effective(options, kind)?;
     let map = input::read(options)?;
+    failure::warn(&map.warnings);
     let thresholds = Thresholds {
         occupied: options.occupied_thresh.unwrap_or(map.thresholds.occupied),
         free: options.free_thresh.unwrap_or(map.thresholds.free),
@@ -131,6 +158,24 @@ pub fn run(options: &ConvertOptions) -> Result<(), Failure> {
     let files = output::files(&map, kind, options, &coding)?;
     output::publish(&files, &map.sources)?;
     table::print(&summary(&map, kind, options, &coding, &files))
+}
+
+/// Refuses options that would have no effect.
+fn effective(options: &ConvertOptions, kind: output::Kind) -> Result<(), Failure> {
+    let from = extension(&options.input);
+    if options.read_as.is_some() && ["yaml", "yml", "npy"].contains(&from.as_str()) {
+        let remedy =
+            if from == "npy" { "leave it out" } else { "change `mode` in the YAML file, or convert its image" };
+        return Err(Failure::BadInput(format!(
+            "--read-as: must stand with an image without YAML, not .{from}; {remedy}"
+        )));
+    }
+    if options.row_order.is_some() && from != "npy" && kind != output::Kind::Npy {
+        return Err(Failure::BadInput(
+            "--row-order: must stand with an .npy file to read or write; leave it out".to_owned(),
+        ));
+    }
+    Ok(())
 }
 
 fn summary(

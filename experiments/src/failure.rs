@@ -50,6 +50,19 @@ impl Failure {
     }
 }
 
+/// Prints what is suspicious to stderr, a line each.
+pub fn warn(warnings: &[impl fmt::Display]) {
+    for warning in warnings {
+        // Nobody may be listening any more.
+        let _ = writeln!(io::stderr(), "warning: {warning}");
+    }
+}
+
+/// Prints a line to stderr, where stdout holds something else.
+pub fn note(text: &str) {
+    let _ = writeln!(io::stderr(), "{text}");
+}
+
 /// What a panic said, if it said anything.
 pub fn panic_text(panic: &(dyn Any + Send)) -> Option<&str> {
     panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied())

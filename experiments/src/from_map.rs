@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use scene::{MadeScene, MakeError, SurveyOptions};
 
 use crate::cli::FromMapOptions;
-use crate::failure::Failure;
+use crate::failure::{self, Failure};
+use crate::progress::Steps;
 use crate::{staging, table};
 
 /// Which of the two is read.
@@ -42,9 +43,17 @@ pub fn run(options: &FromMapOptions, kind: Kind) -> Result<(), Failure> {
         Kind::Map => scene::from_map,
         Kind::Plan => scene::from_plan,
     };
-    let made = make(&options.file, &out, &survey)?;
+    let bar = Steps::new();
+    let made = make(&options.file, &out, &survey, &|progress| bar.show(progress.step, progress.done, progress.of));
+    bar.finish();
+    let made = made?;
+    failure::warn(&made.warnings);
     match &options.out {
-        None => table::print(&made.text),
+        None => {
+            // The scene goes to stdout.
+            failure::note(summary(&options.file, &made, options.range).trim_end());
+            table::print(&made.text)
+        }
         Some(path) => {
             staging::replace(path, made.text.as_bytes())?;
             table::print(&summary(path, &made, options.range))
@@ -64,12 +73,14 @@ fn refuse_sources(out: &Path, source: &Path) -> Result<(), Failure> {
 
 fn summary(path: &Path, made: &MadeScene, range_m: f64) -> String {
     let survey = &made.survey;
+    let [free, occupied, unknown] = made.cells;
     format!(
-        "{}: {} stops, {:.1} m{}, {} scans; sees {:.1} % of the floor from at most {range_m} m away\n",
+        "{}: {free} free, {occupied} occupied and {unknown} unknown cells\n{0}: {} stops, {:.1} m{}, {:.1} m of it with obstacles all round, {} scans; sees {:.1} % of the floor from at most {range_m} m away\n",
         path.display(),
         survey.stops_m.len(),
         survey.length_m,
         if survey.cut { ", cut at --max-length" } else { "" },
+        made.enclosure.inside_m,
         made.scans,
         100.0 * survey.seen,
     )

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use crate::claims::{self, Claim};
 use crate::cli::{Format, RoomOptions};
-use crate::failure::Failure;
+use crate::failure::{self, Failure};
 use crate::interruption;
 use crate::mappers::entries;
 use crate::progress::Progress;
@@ -31,6 +31,8 @@ pub fn run(options: &RoomOptions) -> Result<(), Failure> {
     interruption::watch();
     let seeds = seeds(options)?;
     let Plan { ground, mappers, setup, frames } = Plan::of(options)?;
+    failure::warn(&ground.scene.warnings);
+    failure::warn(scene::enclosure(&ground.scene, &ground.world, &ground.drive).warning(&options.scene).as_slice());
     let out = options.out.clone().unwrap_or_else(|| Path::new("results").join(&ground.scene.name));
     claimable(&ground, options)?;
     let mut staging = Staging::open(&out)?;

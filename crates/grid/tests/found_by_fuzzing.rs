@@ -64,7 +64,8 @@ fn the_type_of_an_array_is_quoted_on_one_line() {
         bytes.extend((header.len() as u16).to_le_bytes());
         bytes.extend(header.as_bytes());
         let message = npy::read_from(&*bytes, bytes.len() as u64, Path::new("m.npy")).expect_err("no map").to_string();
-        let expected = format!("m.npy: dtype = {quoted}: must be float16, float32, float64, bool, or integers of 1 to 8 bytes; ");
+        let expected =
+            format!("m.npy: dtype = {quoted}: must be float16, float32, float64, bool, or integers of 1 to 8 bytes; ");
         assert!(message.starts_with(&expected), "{message}");
     }
 }

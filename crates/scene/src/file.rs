@@ -82,6 +82,7 @@ fn checked(root: &Table, path: &Path, cell_m: Option<f64>) -> Result<Scene, Scen
     let extent_m = map.as_ref().map(|map| map.extent_m()).or(plan.as_ref().map(|plan| plan.extent_m()));
     let bounds_m = bounds::read(root, extent_m)?;
     let grid = cells::read(root, bounds_m, cell_m, map.as_ref().map_or(cells::DEFAULT_M, |map| map.cell_m()))?;
+    let warnings = map.as_ref().map(|map| map.warnings()).or(plan.as_ref().map(|plan| plan.warnings()));
     let (known, mut obstacles) = match (map, plan) {
         (Some(map), _) => (Some(map.known()), map.obstacles(bounds_m)),
         (_, Some(plan)) => (Some(plan.known(&grid)), plan.obstacles(bounds_m)),
@@ -111,6 +112,7 @@ fn checked(root: &Table, path: &Path, cell_m: Option<f64>) -> Result<Scene, Scen
         camera,
         matcher,
         robot,
+        warnings: warnings.unwrap_or_default(),
     })
 }
 

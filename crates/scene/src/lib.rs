@@ -17,6 +17,7 @@
 //! Lengths are in metres, angles in radians, counter-clockwise from the x axis.
 
 mod drive;
+mod enclosure;
 mod error;
 mod family;
 mod file;
@@ -31,6 +32,7 @@ mod shape;
 mod simulate;
 mod survey;
 mod truth;
+mod warning;
 mod world;
 
 pub use drive::{Drive, TimedPose, drive};
@@ -42,6 +44,7 @@ pub mod reader {
     pub use crate::file::limits;
 }
 
+pub use enclosure::{Enclosure, enclosure};
 pub use error::{Problem, SceneError};
 pub use family::{Family, Set, Variation};
 pub use floor_plan::{FloorPlan, FloorPlanError};
@@ -51,6 +54,7 @@ pub use scene::{Area, Obstacle, Origin, Region, Robot, Scene, StagePlan, Stop, W
 pub use shape::Shape;
 pub use simulate::{SimulatedScan, Simulation, Stage, simulate};
 pub use strict::{ErrorKind, Place};
-pub use survey::{Survey, SurveyError, SurveyOptions, survey};
+pub use survey::{Progress, Survey, SurveyError, SurveyOptions, Watch, survey, survey_watched};
 pub use truth::{truth, truth_at_centres};
+pub use warning::Warning;
 pub use world::{Hit, World};

@@ -6,8 +6,9 @@ use grid::{GridSpec, Raster};
 use sensor::{Camera, Matcher};
 use strict::Place;
 
-use crate::Shape;
 use crate::geometry::distance;
+use crate::shape::Shape;
+use crate::warning::Warning;
 
 /// A room, a robot and its way through it, as a scene file describes them. Valid by construction:
 /// [`Scene::load`] and [`Scene::parse`] are the only ways to one.
@@ -42,6 +43,8 @@ pub struct Scene {
     pub matcher: Matcher,
     /// The robot.
     pub robot: Robot,
+    /// What is suspicious about the scene, nothing where all is well.
+    pub warnings: Vec<Warning>,
 }
 
 /// Something that rays end on and the robot cannot pass.

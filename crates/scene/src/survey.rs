@@ -13,13 +13,14 @@ mod route;
 mod sight;
 pub(crate) mod space;
 mod tour;
+mod view;
 mod viewpoints;
 
 pub(crate) use route::length_m;
 
 use grid::Raster;
 
-pub use plan::{Survey, SurveyError, SurveyOptions};
+pub use plan::{Progress, Survey, SurveyError, SurveyOptions, Watch};
 use sight::Sight;
 use space::Space;
 
@@ -29,6 +30,18 @@ use space::Space;
 /// # Errors
 /// A map without free space, or in which the robot cannot move; a start outside the space it can reach.
 pub fn survey(cells: &Raster<Option<bool>>, options: &SurveyOptions) -> Result<Survey, SurveyError> {
+    survey_watched(cells, options, &|_| {})
+}
+
+/// As [`survey`]; `progress` is told how far it is.
+///
+/// # Errors
+/// As [`survey`].
+pub fn survey_watched(
+    cells: &Raster<Option<bool>>,
+    options: &SurveyOptions,
+    progress: Watch,
+) -> Result<Survey, SurveyError> {
     let spec = *cells.spec();
     let count = |state: Option<bool>| cells.values().iter().filter(|&&c| c == state).count();
     let free = count(Some(false));
@@ -45,9 +58,9 @@ pub fn survey(cells: &Raster<Option<bool>>, options: &SurveyOptions) -> Result<S
     let start = options.start_m.map(|at| start(&space, at)).transpose()?;
     let floor = space.floor(cells);
     let sight = Sight::new(cells, &floor, options);
-    let viewpoints = viewpoints::choose(&space, &sight, start);
-    let tour = tour::order(&space, viewpoints, start.is_some());
-    let route = looks::add(&space, &sight, route::straight(&space, &tour), options);
+    let viewpoints = viewpoints::choose(&space, &sight, start, progress);
+    let tour = tour::order(&space, viewpoints, start.is_some(), progress);
+    let route = looks::add(&space, &sight, route::straight(&space, &tour), options, progress);
     let (stops_m, cut) = route::stops_m(&spec, &route, options.max_length_m);
     let seen = sight.seen_on(&stops_m, options);
     let seen = seen.iter().filter(|&&v| v).count() as f64 / sight.floor_cells() as f64;

@@ -41,6 +41,20 @@ impl Default for SurveyOptions {
     }
 }
 
+/// How far the work is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Progress {
+    /// What is being done, in a few words.
+    pub step: &'static str,
+    /// How much of this step is done ...
+    pub done: usize,
+    /// ... of how much.
+    pub of: usize,
+}
+
+/// Is told how far the work is, from any thread.
+pub type Watch<'a> = &'a (dyn Fn(Progress) + Sync);
+
 /// A route and what is seen from it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Survey {
@@ -67,6 +81,11 @@ pub enum SurveyError {
         "none of its {cells} cells is free ({occupied} are occupied, {unknown} unknown): must have free space to drive in; correct the thresholds or negate in its YAML file"
     )]
     NoFree { cells: usize, occupied: usize, unknown: usize },
+    /// No cell is occupied.
+    #[error(
+        "none of its {cells} cells is occupied ({free} are free, {unknown} unknown): must have obstacles for rays to end on; correct the thresholds or negate in its YAML file"
+    )]
+    NoOccupied { cells: usize, free: usize, unknown: usize },
     /// The robot fits nowhere, or has no way to go.
     #[error(
         "a robot of radius {radius_m} m with {clearance_m} m to spare {fits} among {free} free cells of {cell_m} m: must reach two cells to have a route; give a smaller --radius or --clearance"
