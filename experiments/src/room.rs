@@ -32,11 +32,11 @@ pub fn run(options: &RoomOptions) -> Result<(), Failure> {
     let seeds = seeds(options)?;
     let Plan { ground, mappers, setup, frames } = Plan::of(options)?;
     failure::warn(&ground.scene.warnings);
-    failure::warn(scene::enclosure(&ground.scene, &ground.world, &ground.drive).warning(&options.scene).as_slice());
     let out = options.out.clone().unwrap_or_else(|| Path::new("results").join(&ground.scene.name));
     claimable(&ground, options)?;
     let mut staging = Staging::open(&out)?;
     threads::limit(options.threads)?;
+    failure::warn(scene::enclosure(&ground.scene, &ground.world, &ground.drive).warning(&options.scene).as_slice());
     let trials = trials(&ground, &seeds, &mappers, &setup, &frames)?;
     let stages = stages(&ground, &trials[0]);
     let claimed = ground.scene.regions.iter().filter(|region| region.claims);

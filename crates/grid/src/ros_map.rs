@@ -36,6 +36,9 @@ use description::Description;
 use pixel::{Picture, Pixel};
 use warning::Tally;
 
+/// Larger cells were probably not given in metres, m.
+const COARSE_M: f64 = 1.0;
+
 /// A map that a robot built.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RosMap {
@@ -171,6 +174,9 @@ fn of_picture(
     let mut warnings = shades.warnings(&coding, image, places.as_ref());
     if picture.left_over > 0 {
         warnings.push(Warning::LeftOver { image: image.into(), bytes: picture.left_over });
+    }
+    if let Some(places) = places.as_ref().filter(|_| cell_m > COARSE_M) {
+        warnings.push(Warning::Coarse { place: places.resolution.clone(), resolution_m: cell_m });
     }
     let occupancy = Raster::new(spec, occupancy);
     RosMap { spec, yaw_rad: 0.0, occupancy, coding, image: image.into(), places, warnings }

@@ -86,6 +86,9 @@ fn descriptions_in_the_forms_that_are_met() {
         with("[-4.0, -4.0, 0.0]", "\n- -4.\n- -4\n- -0.0"),
         with("negate: 0", "negate: false"),
         format!("# saved by a robot\n\n{YAML}mode: trinary\nmap_name: office\nlayers: [1, {{a: 2}}]\n"),
+        format!("---\n{YAML}---\n"),
+        YAML.replace('\n', "\r"),
+        YAML.replace(": ", ":\t"),
         YAML.lines().rev().map(|line| format!("{line}\n")).collect(),
     ];
     for form in forms {
@@ -417,6 +420,24 @@ fn the_shade_of_unknown_cells_is_missed_where_it_is_read_as_something() {
     // A map in many shades has this one like any other.
     let many: Vec<u8> = (0..=255).collect();
     assert_eq!(warned(with("0.196", "0.25"), [b"P5 256 1 255 ", many.as_slice()].concat()).1, Vec::<String>::new());
+}
+
+#[test]
+fn an_image_for_the_other_value_of_negate_is_told_of() {
+    let (cells, warnings) = warned(YAML, b"P5 4 1 255 \xff\x01\x32\x32");
+    assert_eq!(cells, [Some(false), Some(true), Some(true), Some(true)]);
+    let expected = "m.yaml:4:9: negate = 0: 2 of 4 pixels have the shade 50, which unknown cells have in an image for negate = 1; write negate: 1 if occupied cells are white";
+    assert_eq!(warnings, [expected]);
+    let (_, warnings) = warned(with("negate: 0", "negate: 1"), b"P5 4 1 255 \x00\xfe\xcd\xcd");
+    assert!(warnings[0].contains("negate = 1: 2 of 4 pixels have the shade 205"), "{warnings:?}");
+    assert_eq!(warned(with("negate: 0", "negate: 1"), b"P5 4 1 255 \xff\x01\x32\x32").1, Vec::<String>::new());
+}
+
+#[test]
+fn cells_of_metres_are_told_of() {
+    let expected = "m.yaml:2:13: resolution = 5: cells of 5 m; give metres, such as 0.05";
+    assert_eq!(warned(with("0.05", "5"), PGM).1, [expected]);
+    assert_eq!(warned(with("0.05", "1"), PGM).1, Vec::<String>::new());
 }
 
 #[test]

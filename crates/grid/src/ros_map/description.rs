@@ -41,6 +41,10 @@ pub(super) struct Description {
 /// Where the values of a map stand in its YAML file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Places {
+    /// `resolution`.
+    pub resolution: Place,
+    /// `negate`.
+    pub negate: Place,
     /// The first number of `origin`.
     pub origin: Place,
     /// The angle in `origin`.
@@ -105,9 +109,10 @@ fn check(keys: &HashMap<String, Node>, path: &Path, exists: fn(&Path) -> bool) -
     let image = image(&values, path, exists)?;
     let (mode, mode_at) = mode(&values)?;
     let metres = "give the side of a pixel in metres";
-    let (resolution_m, _) = values.number("resolution", "resolution: 0.05", [1e-4, 100.0], |_| metres.into())?;
+    let (resolution_m, resolution) =
+        values.number("resolution", "resolution: 0.05", [1e-4, 100.0], |_| metres.into())?;
     let (origin_m, yaw_rad, [origin, yaw]) = self::origin(&values)?;
-    let negate = values.boolean("negate", "negate: 0", "give 1 if occupied cells are white")?;
+    let (negate, negate_at) = values.boolean("negate", "negate: 0", "give 1 if occupied cells are white")?;
     let share = |value: f64| match value {
         1.0..=100.0 => format!("give a share of darkness, 0 white to 1 black, not percent: {}", value / 100.0),
         _ => "give a share of darkness, 0 white to 1 black".to_owned(),
@@ -129,7 +134,7 @@ fn check(keys: &HashMap<String, Node>, path: &Path, exists: fn(&Path) -> bool) -
         origin_m: origin_m.map(without_noise),
         yaw_rad,
         coding: Coding { mode, negate, thresholds: Thresholds { occupied, free } },
-        places: Places { origin, yaw, occupied_thresh, free_thresh, mode: mode_at },
+        places: Places { resolution, negate: negate_at, origin, yaw, occupied_thresh, free_thresh, mode: mode_at },
     })
 }
 

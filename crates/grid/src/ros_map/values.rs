@@ -86,17 +86,17 @@ impl<'a> Values<'a> {
         Err(self.wrong(key, given, &format!("a number from {low} to {high}"), remedy))
     }
 
-    /// 0 or 1, or one of the words that YAML 1.1 has for them.
+    /// 0 or 1, or one of the words that YAML 1.1 has for them, and its place.
     pub(super) fn boolean(
         &self,
         key: &'static str,
         example: &'static str,
         remedy: &'static str,
-    ) -> Result<bool, RosMapError> {
+    ) -> Result<(bool, Place), RosMapError> {
         let given = self.text(key, example)?;
         match given.value.trim().to_ascii_lowercase().as_str() {
-            "0" | "false" | "no" | "off" | "n" => Ok(false),
-            "1" | "true" | "yes" | "on" | "y" => Ok(true),
+            "0" | "false" | "no" | "off" | "n" => Ok((false, self.place(given.at))),
+            "1" | "true" | "yes" | "on" | "y" => Ok((true, self.place(given.at))),
             _ => Err(self.wrong(key, given, "0 or 1", remedy.to_owned())),
         }
     }

@@ -42,6 +42,26 @@ pub enum Warning {
         /// How many pixels there are.
         of: usize,
     },
+    /// Pixels of the shade that unknown cells have in an inverted image, and none of the shade that they have otherwise.
+    Inverted {
+        /// Where `negate` stands, if there is a YAML file.
+        place: Option<Place>,
+        /// The image.
+        image: PathBuf,
+        /// Whether `negate` is set.
+        negate: bool,
+        /// How many pixels have the shade.
+        pixels: usize,
+        /// How many pixels there are.
+        of: usize,
+    },
+    /// Cells so large that their side was probably not given in metres.
+    Coarse {
+        /// Where the resolution stands.
+        place: Place,
+        /// The resolution, m.
+        resolution_m: f64,
+    },
     /// Bytes behind the last pixel of an image.
     LeftOver {
         /// The image.
@@ -66,6 +86,18 @@ impl fmt::Display for Warning {
                 "{}: mode = raw: {pixels} of {of} pixels have shades from 101 to 254, which mean nothing in mode raw, and are read as unknown; use mode trinary or scale if the image shows shades of darkness",
                 at(place, image)
             ),
+            Self::Inverted { place, image, negate, pixels, of } => {
+                let (now, shade, other) = if *negate { (1, 205, 0) } else { (0, 50, 1) };
+                write!(
+                    f,
+                    "{}: negate = {now}: {pixels} of {of} pixels have the shade {shade}, which unknown cells have in an image for negate = {other}; write negate: {other} if occupied cells are {}",
+                    at(place, image),
+                    if *negate { "black" } else { "white" }
+                )
+            }
+            Self::Coarse { place, resolution_m } => {
+                write!(f, "{place}: resolution = {resolution_m}: cells of {resolution_m} m; give metres, such as 0.05")
+            }
             Self::LeftOver { image, bytes } => write!(
                 f,
                 "{}: {bytes} bytes follow the last pixel and are not read; save the map again if its header does not fit its pixels",
@@ -81,6 +113,9 @@ pub(super) struct Tally {
     /// Of the shade of unknown cells, and of the two shades beside it.
     unknown: usize,
     beside: usize,
+    /// The same in an inverted image.
+    inverted: usize,
+    beside_inverted: usize,
     transparent: usize,
     /// Of mode raw: shades above 100 but white.
     no_percent: usize,
@@ -98,6 +133,8 @@ impl Tally {
         let dark = if coding.negate { shade } else { 255 - shade };
         self.unknown += usize::from(dark == UNKNOWN);
         self.beside += usize::from(dark == UNKNOWN - 1 || dark == UNKNOWN + 1);
+        self.inverted += usize::from(255 - dark == UNKNOWN);
+        self.beside_inverted += usize::from((255 - dark).abs_diff(UNKNOWN) == 1);
         self.no_percent += usize::from((101..255).contains(&shade));
     }
 
@@ -109,6 +146,11 @@ impl Tally {
             let place = place(|places| &places.mode);
             let pixels = self.no_percent;
             return if pixels > 0 { vec![Warning::NoPercent { place, image, pixels, of }] } else { Vec::new() };
+        }
+        let inverted = self.unknown == 0 && self.inverted > 0 && self.inverted >= 2 * self.beside_inverted;
+        if inverted && coding.mode == Mode::Trinary {
+            let (place, negate, pixels) = (place(|places| &places.negate), coding.negate, self.inverted);
+            return vec![Warning::Inverted { place, image, negate, pixels, of }];
         }
         // A map in many shades has as many pixels of its neighbours.
         let saved = self.unknown > 0 && self.unknown >= 2 * self.beside;

@@ -62,7 +62,7 @@ pub(super) fn keys(text: &str) -> Result<HashMap<String, Node>, Fault> {
     match first {
         Event::MappingStart(..) => {}
         Event::StreamEnd => return Ok(keys),
-        Event::Scalar(value, ScalarStyle::Plain, ..) if value.is_empty() => return Ok(keys),
+        Event::Scalar(value, ScalarStyle::Plain, ..) if nothing(&value) => return Ok(keys),
         _ => return Err(fault(&span, "keys and values are needed here")),
     }
     loop {
@@ -79,7 +79,7 @@ pub(super) fn keys(text: &str) -> Result<HashMap<String, Node>, Fault> {
     }
     match reader.content()? {
         (Event::StreamEnd, _) => Ok(keys),
-        (Event::Scalar(value, ScalarStyle::Plain, ..), _) if value.is_empty() => Ok(keys),
+        (Event::Scalar(value, ScalarStyle::Plain, ..), _) if nothing(&value) => Ok(keys),
         (_, span) => Err(fault(&span, "a second YAML document begins here")),
     }
 }
@@ -121,8 +121,7 @@ impl<'a> Reader<'a> {
         let anchor = event.anchor_id();
         let node = match event {
             Event::Scalar(value, style, ..) => {
-                let nothing = ["", "~", "null", "Null", "NULL"].contains(&value.as_ref());
-                if nothing && style == ScalarStyle::Plain {
+                if nothing(&value) && style == ScalarStyle::Plain {
                     Node::Nothing
                 } else {
                     let escaped = style == ScalarStyle::DoubleQuoted;
@@ -158,6 +157,11 @@ impl<'a> Reader<'a> {
         }
         Ok(node)
     }
+}
+
+/// Whether a plain value stands for none.
+fn nothing(value: &str) -> bool {
+    ["", "~", "null", "Null", "NULL"].contains(&value)
 }
 
 fn at(span: &Span) -> (usize, usize) {
