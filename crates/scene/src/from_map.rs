@@ -127,7 +127,7 @@ pub fn from_map(map: &Path, scene: &Path, options: &SurveyOptions, progress: Wat
     }
     let origin_m = read.spec.origin_m;
     warnings.push(Warning::Far { place: place(|places| &places.origin), origin_m });
-    source.to_origin();
+    source.move_to_origin();
     options.start_m = options.start_m.map(|at| [at[0] - origin_m[0], at[1] - origin_m[1]]);
     made(&source, scene, &options, warnings, progress).map_err(|error| at_home(error, origin_m))
 }
@@ -168,7 +168,7 @@ struct Source<'a> {
 }
 
 impl Source<'_> {
-    fn to_origin(&mut self) {
+    fn move_to_origin(&mut self) {
         let spec = GridSpec { origin_m: [0.0; 2], ..*self.cells.spec() };
         self.cells = Raster::new(spec, self.cells.values().to_vec());
         self.moved = true;
