@@ -37,6 +37,12 @@ pub fn panic_text(panic: &(dyn Any + Send)) -> Option<&str> {
     panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied())
 }
 
+impl From<strict::Error> for Failure {
+    fn from(error: strict::Error) -> Self {
+        scene::SceneError::from(error).into()
+    }
+}
+
 impl From<scene::SceneError> for Failure {
     fn from(error: scene::SceneError) -> Self {
         match error.kind() {

@@ -372,6 +372,8 @@ fn a_floor_plan_and_a_map_become_scenes_that_are_valid() {
     ] {
         let (text, _) = place.expect(0, &["scene", kind, source, "--out", scene]);
         assert!(text.contains("of the floor from at most 4 m away"), "{text}");
+        let cells = if kind == "from-map" { "324 free, 76 occupied and 0 unknown cells\n" } else { " unknown cells\n" };
+        assert!(text.contains(cells) && text.contains("of it with obstacles all round"), "{text}");
         let written = fs::read_to_string(at(scene)).expect("written");
         assert!(written.contains(&format!("file = \"{named}\"")), "{written}");
         assert!(place.expect(0, &["check", scene]).0.contains(": valid"));
@@ -389,4 +391,22 @@ fn a_floor_plan_and_a_map_become_scenes_that_are_valid() {
         assert!(err.contains(message), "{err}");
     }
     assert_eq!(fs::read_to_string(at("m.yaml")).expect("there"), yaml, "the map is as it was");
+    // A rim of the shade that savers write for unknown cells, outside the walls.
+    let rim = |k: usize| (k % 30).min(29 - k % 30).min((k / 30).min(29 - k / 30));
+    let pixels: Vec<u8> = (0..900).map(|k| [205, 205, 205, 205, 205, 0].get(rim(k)).copied().unwrap_or(254)).collect();
+    fs::write(at("m.pgm"), [b"P5\n30 30\n255\n".to_vec(), pixels].concat()).expect("written");
+    fs::write(at("m.yaml"), yaml.replace("0.196", "0.25")).expect("written");
+    let (_, err) = place.expect(0, &["scene", "from-map", "m.yaml", "--out", "leaky.toml"]);
+    assert!(err.contains("warning: m.yaml:6:14: free_thresh = 0.25: 500 of 900 pixels"), "{err}");
+    assert!(err.contains("warning: m.yaml: ") && err.contains("does the robot drive outside the building?"), "{err}");
+    for command in ["check", "room"] {
+        let args: &[&str] = if command == "room" { &["--scene", "leaky.toml", "--out", "o"] } else { &["leaky.toml"] };
+        let (_, err) = place.expect(0, &[&[command], args].concat());
+        assert!(
+            err.contains("free_thresh = 0.25: 500 of 900 pixels") && err.contains("outside the building?"),
+            "{err}"
+        );
+    }
+    fs::write(at("m.yaml"), yaml).expect("written");
+    assert_eq!(place.expect(0, &["scene", "from-map", "m.yaml", "--out", "closed.toml"]).1, "");
 }

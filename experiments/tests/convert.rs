@@ -188,3 +188,40 @@ fn what_is_refused_leaves_everything_as_it_was() {
     place.refused(&["p.npy", "o.yaml"], "run.json: is not understood");
     place.expect(0, &["p.npy", "o.yaml", "--resolution", "0.1", "--origin", "0,0,0"]);
 }
+
+#[test]
+fn what_is_suspicious_about_a_map_is_told_of() {
+    let place = Place::new();
+    let (_, err) = place.expect(0, &["m.yaml", "a.npy"]);
+    assert_eq!(err, "", "all is well");
+    place.put("nav2.yaml", YAML.replace("0.196", "0.25").as_bytes());
+    let (out, err) = place.expect(0, &["nav2.yaml", "a.npy"]);
+    assert!(err.starts_with("warning: nav2.yaml:6:14: free_thresh = 0.25: 3 of 6 pixels have the shade 205"), "{err}");
+    assert!(out.contains("4 free, 2 occupied, 0 unknown"), "{out}");
+    place.put("raw.yaml", format!("{YAML}mode: raw\n").as_bytes());
+    let (_, err) = place.expect(0, &["raw.yaml", "a.npy"]);
+    assert!(err.contains("raw.yaml:7:7: mode = raw: 4 of 6 pixels have shades from 101 to 254"), "{err}");
+    place.refused(
+        &["m.yaml", "b.npy", "--read-as", "raw"],
+        "--read-as: must stand with an image without YAML, not .yaml; change `mode` in the YAML file",
+    );
+}
+
+#[test]
+fn the_first_row_of_an_array_is_the_lowest_or_the_top_one() {
+    let place = Place::new();
+    let cells = |name: &str| npy::read(&place.path().join(name)).expect(name).occupancy;
+    place.expect(0, &["m.yaml", "low.npy"]);
+    place.expect(0, &["m.yaml", "top.npy", "--row-order", "top"]);
+    let flipped: Vec<Option<f32>> = cells("low.npy").chunks(3).rev().flatten().copied().collect();
+    assert_eq!(cells("top.npy"), flipped);
+    place.expect(0, &["top.npy", "back.npy", "--row-order", "top"]);
+    assert_eq!(cells("back.npy"), cells("low.npy"));
+    let at = ["--resolution", "0.05", "--origin", "-4,2.5,0.25"];
+    place.expect(0, &[&["top.npy", "c.yaml", "--row-order", "top"], &at[..]].concat());
+    assert_eq!(place.get("c.pgm"), PGM);
+    place.refused(
+        &["m.yaml", "d.yaml", "--row-order", "top"],
+        "--row-order: must stand with an .npy file to read or write",
+    );
+}

@@ -92,5 +92,5 @@ pub fn plan(data: &[u8]) {
     let [min, max] = plan.extent_m();
     assert!(plan.outline_m.len() >= 3 && (0..2).all(|k| min[k] < max[k]), "{plan:?}");
     let text = format!("{{\"verts\": {:?}}}", plan.outline_m);
-    assert_eq!(read(text.as_bytes()).expect("what was written is a plan"), plan);
+    assert_eq!(read(text.as_bytes()).expect("what was written is a plan").outline_m, plan.outline_m);
 }

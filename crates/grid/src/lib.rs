@@ -8,10 +8,8 @@
 //! - [`DigitalLine`] lists the cells that a viewing ray crosses, 4-connected, with the range at
 //!   which it enters and leaves each (Figure 2 of the paper).
 //! - [`Raster`] is one value per cell; [`npy`] writes it for numpy and reads it back.
-//! - [`excerpt`] is what messages quote of a file.
 //! - [`ros_map`] reads the maps that robots save, and writes them, as ROS map_server and nav2_map_server do.
 
-pub mod excerpt;
 mod line;
 pub mod npy;
 mod raster;

@@ -1,11 +1,11 @@
 //! Rasters as NPY files, for numpy: rows are y, row 0 is the lowest.
 
 mod header;
+mod meaning;
+mod number;
 mod read;
 
 use std::io::{self, Write};
-
-use npyz::WriterBuilder as _;
 
 use crate::Raster;
 
@@ -15,15 +15,16 @@ pub use read::{Array, NpyError, read, read_from};
 ///
 /// # Errors
 /// Whatever the writer reports.
-pub fn write(raster: &Raster<f32>, out: impl Write) -> io::Result<()> {
+pub fn write(raster: &Raster<f32>, mut out: impl Write) -> io::Result<()> {
     let spec = raster.spec();
-    let mut npy = npyz::WriteOptions::new()
-        .default_dtype()
-        .shape(&[spec.height as u64, spec.width as u64])
-        .writer(out)
-        .begin_nd()?;
-    npy.extend(raster.values().iter().copied())?;
-    npy.finish()
+    out.write_all(&header::of_f4(spec.height, spec.width))?;
+    let mut row = Vec::with_capacity(4 * spec.width);
+    for values in raster.values().chunks(spec.width.max(1)) {
+        row.clear();
+        row.extend(values.iter().flat_map(|value| value.to_le_bytes()));
+        out.write_all(&row)?;
+    }
+    out.flush()
 }
 
 /// Writes shares of occupancy as [`write()`] does: NaN where nothing is known.
@@ -40,13 +41,16 @@ mod tests {
     use crate::GridSpec;
 
     #[test]
-    fn numpy_reads_rows_from_the_lowest_up() {
+    fn the_bytes_that_numpy_reads_as_rows_from_the_lowest_up() {
         let spec = GridSpec { cell_m: 0.1, origin_m: [0.0; 2], width: 3, height: 2 };
         let mut bytes = Vec::new();
-        write(&Raster::new(spec, vec![0.0, 1.0, 2.0, 3.0, 4.0, 5.0]), &mut bytes).expect("memory");
-        let npy = npyz::NpyFile::new(&bytes[..]).expect("valid");
-        assert_eq!(npy.shape(), &[2, 3]);
-        assert_eq!(npy.order(), npyz::Order::C);
-        assert_eq!(npy.into_vec::<f32>().expect("float32"), [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
+        write(&Raster::new(spec, vec![0.0, 1.0, -2.5, f32::NAN, 4.0, 0.1]), &mut bytes).expect("memory");
+        // By NEP 1: [[0, 1, -2.5], [nan, 4, 0.1]], float32, C order.
+        let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3, ), }";
+        let mut expected = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
+        expected.extend(format!("{header:<117}\n").bytes());
+        expected.extend([0, 0, 0, 0, 0, 0, 0x80, 0x3f, 0, 0, 0x20, 0xc0, 0, 0, 0xc0, 0x7f, 0, 0, 0x80, 0x40]);
+        expected.extend([0xcd, 0xcc, 0xcc, 0x3d]);
+        assert_eq!(bytes, expected);
     }
 }

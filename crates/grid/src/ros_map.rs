@@ -12,21 +12,32 @@
 mod coding;
 mod description;
 mod error;
+mod header;
 mod netpbm;
 mod picture;
+mod pixel;
+mod png;
+mod values;
+mod warning;
 mod write;
+mod yaml;
 
-use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 use crate::{GridSpec, Raster};
 
 pub use coding::{Coding, Mode, Thresholds};
-pub use error::{Place, RosMapError};
+pub use description::Places;
+pub use error::RosMapError;
+pub use warning::Warning;
 pub use write::{EncodeError, Shades, describe};
 
 use description::Description;
-use picture::Picture;
+use pixel::{Picture, Pixel};
+use warning::Tally;
+
+/// Larger cells were probably not given in metres, m.
+const COARSE_M: f64 = 1.0;
 
 /// A map that a robot built.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,6 +54,10 @@ pub struct RosMap {
     pub coding: Coding,
     /// The image.
     pub image: PathBuf,
+    /// Where its values stand in the YAML file; none for an image without one.
+    pub places: Option<Places>,
+    /// What is suspicious about it, nothing where all is well.
+    pub warnings: Vec<Warning>,
 }
 
 impl RosMap {
@@ -87,9 +102,10 @@ impl RosMap {
 /// A file that cannot be read; YAML that is not a map's; a value out of its range; an image that is
 /// missing, damaged or too large.
 pub fn read(yaml_path: &Path) -> Result<RosMap, RosMapError> {
-    let Description { image, resolution_m, origin_m, yaw_rad, coding } = Description::read(yaml_path)?;
-    let map = read_image(&image, coding, resolution_m, origin_m)?;
-    Ok(RosMap { yaw_rad, ..map })
+    let found = Description::read(yaml_path)?;
+    let mut shades = Tally::default();
+    let picture = picture::read(&found.image, counted(&mut shades, found.coding))?;
+    Ok(described(found, &picture, &shades))
 }
 
 /// Reads a map whose two files are in memory. `yaml_path` is named in messages, and no file is looked for.
@@ -98,8 +114,9 @@ pub fn read(yaml_path: &Path) -> Result<RosMap, RosMapError> {
 /// As [`read`], but for files that cannot be read.
 pub fn read_from(yaml: &[u8], image: &[u8], yaml_path: &Path) -> Result<RosMap, RosMapError> {
     let found = Description::parse(yaml, yaml_path, |_| true)?;
-    let map = read_image_from(image, &found.image, found.coding, found.resolution_m, found.origin_m)?;
-    Ok(RosMap { yaw_rad: found.yaw_rad, ..map })
+    let mut shades = Tally::default();
+    let picture = picture::read_from(image, &found.image, counted(&mut shades, found.coding))?;
+    Ok(described(found, &picture, &shades))
 }
 
 /// Reads an image without its YAML file: `coding` says what the shades mean, `cell_m` is the side of a
@@ -108,8 +125,9 @@ pub fn read_from(yaml: &[u8], image: &[u8], yaml_path: &Path) -> Result<RosMap, 
 /// # Errors
 /// An image that cannot be read, is damaged or too large.
 pub fn read_image(image: &Path, coding: Coding, cell_m: f64, origin_m: [f64; 2]) -> Result<RosMap, RosMapError> {
-    let picture = picture::read(image, |pixel| coding.occupancy(pixel))?;
-    Ok(of_picture(picture, image, coding, cell_m, origin_m))
+    let mut shades = Tally::default();
+    let picture = picture::read(image, counted(&mut shades, coding))?;
+    Ok(of_picture(&picture, &shades, image, coding, (cell_m, origin_m), None))
 }
 
 /// As [`read_image`], of an image in memory; `path` is named in messages.
@@ -123,15 +141,45 @@ pub fn read_image_from(
     cell_m: f64,
     origin_m: [f64; 2],
 ) -> Result<RosMap, RosMapError> {
-    let picture = picture::read_from(Cursor::new(image), image.len() as u64, path, |pixel| coding.occupancy(pixel))?;
-    Ok(of_picture(picture, path, coding, cell_m, origin_m))
+    let mut shades = Tally::default();
+    let picture = picture::read_from(image, path, counted(&mut shades, coding))?;
+    Ok(of_picture(&picture, &shades, path, coding, (cell_m, origin_m), None))
 }
 
-fn of_picture(picture: Picture<Option<f32>>, image: &Path, coding: Coding, cell_m: f64, origin_m: [f64; 2]) -> RosMap {
+/// The occupancy of every pixel, which is counted on the way.
+fn counted(shades: &mut Tally, coding: Coding) -> impl FnMut(Pixel) -> Option<f32> {
+    move |pixel| {
+        shades.add(pixel, &coding);
+        coding.occupancy(pixel)
+    }
+}
+
+fn described(found: Description, picture: &Picture<Option<f32>>, shades: &Tally) -> RosMap {
+    let Description { image, resolution_m, origin_m, yaw_rad, coding, places } = found;
+    let map = of_picture(picture, shades, &image, coding, (resolution_m, origin_m), Some(places));
+    RosMap { yaw_rad, ..map }
+}
+
+fn of_picture(
+    picture: &Picture<Option<f32>>,
+    shades: &Tally,
+    image: &Path,
+    coding: Coding,
+    (cell_m, origin_m): (f64, [f64; 2]),
+    places: Option<Places>,
+) -> RosMap {
     let spec = GridSpec { cell_m, origin_m, width: picture.width, height: picture.height };
     // The image's first row is the top one, the grid's first row the lowest.
     let occupancy = picture.pixels.chunks_exact(spec.width).rev().flatten().copied().collect();
-    RosMap { spec, yaw_rad: 0.0, occupancy: Raster::new(spec, occupancy), coding, image: image.into() }
+    let mut warnings = shades.warnings(&coding, image, places.as_ref());
+    if picture.left_over > 0 {
+        warnings.push(Warning::LeftOver { image: image.into(), bytes: picture.left_over });
+    }
+    if let Some(places) = places.as_ref().filter(|_| cell_m > COARSE_M) {
+        warnings.push(Warning::Coarse { place: places.resolution.clone(), resolution_m: cell_m });
+    }
+    let occupancy = Raster::new(spec, occupancy);
+    RosMap { spec, yaw_rad: 0.0, occupancy, coding, image: image.into(), places, warnings }
 }
 
 #[cfg(test)]

@@ -56,6 +56,15 @@ fn every_type_and_order() {
     assert_eq!(read("|u1", &[0, 37, 100, 255]), [Some(0.0), Some(0.37), Some(1.0), None]);
     assert_eq!(read("|b1", &[0, 1, 1, 0]), [Some(0.0), Some(1.0), Some(1.0), Some(0.0)]);
     assert_eq!(read("|i1", &[255; 4]), [None; 4], "nothing known");
+    let expected = [Some(0.0), Some(0.37), Some(1.0), None];
+    let percents = [0_i64, 37, 100, -1];
+    assert_eq!(read("<i8", &percents.map(i64::to_le_bytes).concat()), expected);
+    assert_eq!(read(">i4", &percents.map(|v| (v as i32).to_be_bytes()).concat()), expected);
+    assert_eq!(read("<i2", &percents.map(|v| (v as i16).to_le_bytes()).concat()), expected);
+    assert_eq!(read("<u2", &[0_u16, 37, 100, 255].map(u16::to_le_bytes).concat()), expected);
+    // 0.25, 1, NaN and 0 in half precision.
+    let halves = [0x3400_u16, 0x3c00, 0x7e00, 0].map(u16::to_le_bytes).concat();
+    assert_eq!(read("<f2", &halves), [Some(0.25), Some(1.0), None, Some(0.0)]);
 }
 
 #[test]
@@ -110,15 +119,43 @@ fn messages() {
             format!("m.npy: 1 x 2 values of type <f4 are 8 bytes, but 9 follow its header; {again}"),
         ),
         (
-            file("<i4", false, "(1, 2)", &[0; 8]),
-            "m.npy: dtype = <i4: must be float32, float64, bool, int8 or uint8; convert it with astype(\"float32\")".into(),
+            file("<c8", false, "(1, 1)", &[0; 8]),
+            "m.npy: dtype = <c8: must be float16, float32, float64, bool, or integers of 1 to 8 bytes; convert it with astype(\"float32\")".into(),
         ),
         (f4(&[0.5, 1.5]), format!("m.npy: value [0, 1] = 1.5: {share}")),
+        (
+            f4(&[0.5, -1.0]),
+            "m.npy: value [0, 1] = -1: must be from 0 to 1, or NaN; NaN means unknown: a[a < 0] = numpy.nan".into(),
+        ),
+        (
+            f4(&[0.5, 30.0]),
+            "m.npy: value [0, 1] = 30: must be from 0 to 1, or NaN; save shares of occupancy, not percent or log odds: a / 100 if it is percent".into(),
+        ),
+        (
+            f4(&[0.0, 254.0 / 255.0]),
+            "m.npy: its values = 0.804 and 0.996: must be shares of occupancy; 0, 205 / 255 and 254 / 255 are the shades of a picture; save the picture as PNG and convert that, or save states: a == 0 as bool".into(),
+        ),
+        (
+            file("|u1", false, "(1, 1, 3)", &[0; 3]),
+            "m.npy: shape = (1, 1, 3): must be two numbers, rows and columns; this is a picture of 3 channels; save one of them: numpy.save(path, a[:, :, 0])".into(),
+        ),
+        (
+            file("|u1", false, "(1, 2)", &[0, 255]),
+            "m.npy: its values = 0 and 255: must be percent; 0 and 255 alone are a picture or a mask; save states as bool: a == 0 where black is occupied, a == 255 where white is".into(),
+        ),
+        (
+            file("<i4", false, "(1, 3)", &[255, 255, 255, 255, 0, 0, 0, 0, 1, 0, 0, 0]),
+            "m.npy: the largest value = 1: must be a percent, up to 100; save shares: numpy.where(a == 1, 1.0, numpy.where(a == 0, 0.0, numpy.nan))".into(),
+        ),
+        (
+            file("<i2", false, "(1, 1)", &[0, 0x80]),
+            "m.npy: value [0, 0] = -32768: must be from 0 to 100, or -1 or 255; save percent of occupancy, as a ROS OccupancyGrid has them".into(),
+        ),
         (f4(&[-0.5, 0.5]), format!("m.npy: value [0, 0] = -0.5: {share}")),
         (f4(&[f64::INFINITY, 0.5]), format!("m.npy: value [0, 0] = inf: {share}")),
         (
             file("|u1", false, "(1, 2)", &[100, 101]),
-            "m.npy: value [0, 1] = 101: must be from 0 to 100, or -1 or 255; save percent of occupancy, as a ROS OccupancyGrid has them".into(),
+            "m.npy: value [0, 1] = 101: must be from 0 to 100, or -1 or 255; save percent of occupancy, as a ROS OccupancyGrid has them; save a picture as PNG and convert that".into(),
         ),
         (
             file("|u1", false, "(1, 2)", &[0, 1]),

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use grid::ros_map::{self, RosMapError};
-use image::{ImageFormat, Rgba, RgbaImage};
+use png::{BitDepth, ColorType};
 use tempfile::TempDir;
 
 const YAML: &str = "\
@@ -46,6 +46,23 @@ fn relative(error: &RosMapError, folder: &Path) -> String {
     error.to_string().replace(&format!("{}/", folder.display()), "")
 }
 
+/// A PNG of two columns, as a program of another kind would write it.
+fn png(color: ColorType, depth: BitDepth, palette: &[u8], data: &[u8]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let pixels_per_row = 2;
+    let per_row = color.samples() * pixels_per_row * depth as usize;
+    let mut encoder = png::Encoder::new(&mut bytes, 2, (data.len() / per_row.div_ceil(8)) as u32);
+    encoder.set_color(color);
+    encoder.set_depth(depth);
+    if !palette.is_empty() {
+        encoder.set_palette(palette);
+    }
+    let mut writer = encoder.write_header().expect("a header");
+    writer.write_image_data(data).expect("pixels");
+    writer.finish().expect("an end");
+    bytes
+}
+
 /// Replaces one part of the good description by another.
 fn with(part: &str, other: &str) -> String {
     assert!(YAML.contains(part));
@@ -69,6 +86,9 @@ fn descriptions_in_the_forms_that_are_met() {
         with("[-4.0, -4.0, 0.0]", "\n- -4.\n- -4\n- -0.0"),
         with("negate: 0", "negate: false"),
         format!("# saved by a robot\n\n{YAML}mode: trinary\nmap_name: office\nlayers: [1, {{a: 2}}]\n"),
+        format!("---\n{YAML}---\n"),
+        YAML.replace('\n', "\r"),
+        YAML.replace(": ", ":\t"),
         YAML.lines().rev().map(|line| format!("{line}\n")).collect(),
     ];
     for form in forms {
@@ -101,11 +121,9 @@ fn netpbm_images_in_every_depth() {
 #[test]
 fn png_images_with_colours_and_transparency() {
     let folder = folder(with("m.pgm", "m.png"), PGM);
-    let image = folder.path().join("m.png");
     let save = |pixels: [[u8; 4]; 4]| {
-        let mut png = RgbaImage::new(2, 2);
-        png.pixels_mut().zip(pixels).for_each(|(pixel, rgba)| *pixel = Rgba(rgba));
-        png.save_with_format(&image, ImageFormat::Png).expect("written");
+        let image = png(ColorType::Rgba, BitDepth::Eight, &[], pixels.as_flattened());
+        fs::write(folder.path().join("m.png"), image).expect("written");
         ros_map::read(&folder.path().join("m.yaml")).expect("readable").cells().values().to_vec()
     };
     let [black, white, grey] = [0, 254, 205].map(|v| [v, v, v, 255]);
@@ -122,6 +140,7 @@ fn messages_about_descriptions() {
     let share = "must be a number from 0 to 1; give a share of darkness, 0 white to 1 black";
     let corner = "must be a number from -100000000 to 100000000; give x and y of the lower-left corner in metres";
     let turn = "must be a number from -6.3 to 6.3; give the angle of the map in radians, counter-clockwise";
+    let unknown_turn = "must be a number from -6.3 to 6.3; savers write nan where they do not know the angle: put 0";
     let tab = format!("a tab stands before the text, where YAML wants blanks; {form}");
     let three = "must be three numbers; give x and y of the lower-left corner in metres and the angle in radians";
     let beside = "put the image beside the YAML file or correct its name";
@@ -145,19 +164,25 @@ fn messages_about_descriptions() {
         (with(origin, "[1, 2, 0, 0]"), format!("m.yaml:3:9: origin = [1, 2, 0, 0]: {three}")),
         (with(origin, "[1e9, 2, 0]"), format!("m.yaml:3:10: origin x = 1e9: {corner}")),
         (with(origin, "[1, inf, 0]"), format!("m.yaml:3:13: origin y = inf: {corner}")),
-        (with(origin, "[1, 2, 90]"), format!("m.yaml:3:16: origin angle = 90: {turn}")),
-        (with(origin, "[1, 2, nan]"), format!("m.yaml:3:16: origin angle = nan: {turn}")),
+        (with(origin, "[1, 2, 90]"), format!("m.yaml:3:16: origin angle = 90: {turn}: 90 degrees are 1.5708")),
+        (with(origin, "[1, 2, 1e3]"), format!("m.yaml:3:16: origin angle = 1e3: {turn}")),
+        (with(origin, "[1, 2, nan]"), format!("m.yaml:3:16: origin angle = nan: {unknown_turn}")),
+        (with(origin, "[1, 2, -nan]"), format!("m.yaml:3:16: origin angle = -nan: {unknown_turn}")),
+        (with(origin, "[1, 2, .NaN]"), format!("m.yaml:3:16: origin angle = .NaN: {unknown_turn}")),
         (with("resolution: 0.05", "\tresolution: 0.05"), format!("m.yaml:2:1: {tab}")),
         (with("origin: [-4.0, -4.0, 0.0]", "origin:\n\t- -4.0\n\t- -4.0\n\t- 0.0"), format!("m.yaml:4:1: {tab}")),
         (
             with("negate: 0", "negate: 2"),
             "m.yaml:4:9: negate = 2: must be 0 or 1; give 1 if occupied cells are white".into(),
         ),
-        (with("0.65", "65"), format!("m.yaml:5:18: occupied_thresh = 65: {share}")),
+        (with("0.65", "65"), format!("m.yaml:5:18: occupied_thresh = 65: {share}, not percent: 0.65")),
+        (with("0.65", "\"0,65\""), "m.yaml:5:18: occupied_thresh = 0,65: must be a number from 0 to 1; write a decimal point: 0.65".into()),
+        (with("m.pgm", "\"C:\\maps\\m.pgm\""), "m.yaml:1:8: a backslash in double quotes begins an escape, and this one is none; write file names with forward slashes, or in single quotes".into()),
+        (with("m.pgm", "\"C:\\new\\a.pgm\""), "m.yaml:1:8: image = C:\\new\\u{7}.pgm: no such file, tried C:\\new\\u{7}.pgm; in double quotes a backslash begins an escape: write forward slashes, or single quotes".into()),
         (with("0.196", "-0.1"), format!("m.yaml:6:14: free_thresh = -0.1: {share}")),
         (
             with("0.196", "0.7"),
-            "m.yaml:6:14: free_thresh = 0.7: must be at most occupied_thresh = 0.65; map_server writes 0.196 and 0.65"
+            "m.yaml:6:14: free_thresh = 0.7: must be at most occupied_thresh = 0.65; exchange the two if they are swapped; map_server writes 0.196 and 0.65"
                 .into(),
         ),
         (
@@ -197,9 +222,9 @@ fn messages_about_files_that_are_no_description() {
 #[test]
 fn messages_about_images() {
     let damaged: [(&[u8], &str, &str); 20] = [
-        (b"", "", "its first bytes are those of no known image"),
+        (b"", "", "it is empty"),
         (b"image", "", "its first bytes are those of no known image"),
-        (b"GIF89a", "", "it is a Gif image"),
+        (b"GIF89a", "", "it is a GIF image"),
         // What a decoder says is its own; that it says something is enough.
         (b"\x89PNG\r\n\x1a\n", "", "*"),
         (b"P6\n2 2\n255\n\x00", "", "*"),
@@ -235,9 +260,15 @@ fn messages_about_images() {
             assert_eq!(message, format!("{head}{problem}{advice}"));
         }
     }
-    let lie = "its header promises 10000 x 10000 pixels, more than 18 bytes can hold";
     let head = "m.pgm: cannot be read as a PGM or PNG image: ";
+    let lie = "it ends after 0 of 10000 x 10000 pixels";
     assert_eq!(message(YAML, b"P6 10000 10000 255"), format!("{head}{lie}{advice}"));
+    let mut image = png(ColorType::Grayscale, BitDepth::Eight, &[], &[0; 4]);
+    image[16..24].copy_from_slice(&[0, 0, 39, 16, 0, 0, 39, 16]); // 10000 x 10000
+    let sum = crc32(&image[12..29]);
+    image[29..33].copy_from_slice(&sum.to_be_bytes());
+    let lie = format!("its header promises 10000 x 10000 pixels, more than {} bytes can hold", image.len());
+    assert_eq!(message(YAML, &image), format!("{head}{lie}{advice}"));
     for (header, size) in [("P5\n0 2\n255\n", "0 x 2"), ("P5\n4000000000 4000000000\n255\n", "4000000000 x 4000000000")]
     {
         assert_eq!(
@@ -247,6 +278,13 @@ fn messages_about_images() {
             )
         );
     }
+}
+
+/// The checksum of a PNG's chunks, bit by bit.
+fn crc32(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(!0, |sum, &byte| {
+        (0..8).fold(sum ^ u32::from(byte), |sum, _| if sum & 1 == 1 { sum >> 1 ^ 0xedb8_8320 } else { sum >> 1 })
+    })
 }
 
 #[test]
@@ -287,8 +325,8 @@ fn a_depth_of_its_own_is_not_stretched() {
     let folder = folder(YAML, "");
     let (path, image) = (folder.path().join("m.yaml"), folder.path().join("m.pgm"));
     // p > 0.65 below 65535 x 0.35 = 22937.25; the high byte alone, 89, would not tell.
-    let png = image::ImageBuffer::<image::Luma<u16>, _>::from_raw(2, 1, vec![22937, 22938]).expect("two pixels");
-    png.save_with_format(&image, ImageFormat::Png).expect("written");
+    let shades = [22937_u16, 22938].map(u16::to_be_bytes);
+    fs::write(image, png(ColorType::Grayscale, BitDepth::Sixteen, &[], shades.as_flattened())).expect("written");
     assert_eq!(ros_map::read(&path).expect("readable").cells().values(), [Some(true), None]);
 }
 
@@ -308,4 +346,162 @@ fn percent_in_modes_scale_and_raw() {
     // 1 - 0x99/255 = 0.4 is 45 % of the way from 0.196 to 0.65.
     let image = b"P5 3 1 255 \x00\x99\xff";
     assert_eq!(percents(format!("{YAML}mode: scale\n"), image), [Some(100), Some(45), Some(0)]);
+}
+
+/// The cells and the warnings of a map.
+fn warned(yaml: impl AsRef<[u8]>, image: impl AsRef<[u8]>) -> (Vec<Option<bool>>, Vec<String>) {
+    let folder = folder(yaml, image);
+    let map = ros_map::read(&folder.path().join("m.yaml")).expect("readable");
+    let short = |warning: &ros_map::Warning| warning.to_string().replace(&format!("{}/", folder.path().display()), "");
+    (map.cells().values().to_vec(), map.warnings.iter().map(short).collect())
+}
+
+#[test]
+fn headers_of_binary_images_end_in_many_ways() {
+    let pixels = b"\x00\xfe\xcd\x00";
+    let silent = [
+        "P5\r\n2 2\r\n255\r\n",
+        "P5 2 2 255\r\n",
+        "P5\r2 2\r255\r",
+        "P5\t2\t2\t255\t",
+        "P5\n2 2\n255 \n",
+        "P5\n2 2\n255  ",
+        "P5\n2 2\n255\n# by a saver\n",
+        "P5\n2 2\n255\n# by\r\n# a saver\r\n",
+        "P5\n#\n2 # columns\n2\n255\n",
+    ];
+    for header in silent {
+        let image = [header.as_bytes(), pixels].concat();
+        assert_eq!(warned(YAML, image), (CELLS.to_vec(), vec![]), "{header:?}");
+    }
+    // A pixel that could be the second byte of a line end, a comment or a blank, where the file has no byte to spare.
+    for first in [b'\n', b'#', b' '] {
+        let image = [b"P5 2 2 255\r".as_slice(), &[first], b"\xfe\xcd\x00"].concat();
+        assert_eq!(warned(YAML, image), (CELLS.to_vec(), vec![]), "{first}");
+    }
+    let message = message(YAML, b"P5\r\n2 2\r\n255\r\n\x00\xfe\xcd");
+    assert!(message.contains("it ends after 3 of 2 x 2 pixels"), "{message}");
+}
+
+#[test]
+fn bytes_behind_the_last_pixel_are_counted() {
+    let left = |bytes: usize| {
+        format!(
+            "m.pgm: {bytes} bytes follow the last pixel and are not read; save the map again if its header does not fit its pixels"
+        )
+    };
+    for (behind, bytes) in [(b"\x00".as_slice(), 1), (b"\n\n", 2), (&[205; 100], 100)] {
+        assert_eq!(warned(YAML, [PGM, behind].concat()), (CELLS.to_vec(), vec![left(bytes)]));
+    }
+    assert_eq!(warned(YAML, "P2 2 2 255 0 254 205 0\n\n"), (CELLS.to_vec(), vec![]));
+    assert_eq!(warned(YAML, "P2 2 2 255 0 254 205 0 17\n"), (CELLS.to_vec(), vec![left(3)]));
+    assert_eq!(warned(YAML, b"P6 1 1 255 \x00\x00\x00\x07").1, [left(1)]);
+}
+
+#[test]
+fn the_shade_of_unknown_cells_is_missed_where_it_is_read_as_something() {
+    let image = b"P5 4 1 255 \x00\xfe\xcd\xcd";
+    assert_eq!(warned(YAML, image).1, Vec::<String>::new());
+    let (cells, warnings) = warned(with("0.196", "0.25"), image);
+    assert_eq!(cells, [Some(true), Some(false), Some(false), Some(false)]);
+    let shade = "2 of 4 pixels have the shade 205, which map savers write for unknown cells, and are read as";
+    let remedy = "write 0.196 as map savers do, unless they are known to be free";
+    assert_eq!(warnings, [format!("m.yaml:6:14: free_thresh = 0.25: {shade} free; {remedy}")]);
+    let (_, warnings) = warned(with("0.65", "0.19").replace("0.196", "0.1"), image);
+    let remedy = "write 0.65 as map savers do, unless they are known to be occupied";
+    assert_eq!(warnings, [format!("m.yaml:5:18: occupied_thresh = 0.19: {shade} occupied; {remedy}")]);
+    let (_, warnings) = warned(format!("{YAML}mode: scale\n"), image);
+    let remedy = "use mode trinary, or make unknown cells transparent";
+    assert_eq!(warnings, [format!("m.yaml:7:7: mode = scale: {shade} free; {remedy}")]);
+    // Inverted images, and the same in other depths.
+    let inverted = with("0.196", "0.25").replace("negate: 0", "negate: yes");
+    assert_eq!(warned(inverted, b"P5 4 1 255 \xff\x01\x32\x32").1.len(), 1);
+    assert_eq!(warned(with("0.196", "0.25"), b"P5 2 1 65535 \x00\x00\xcd\xcd").1.len(), 1);
+    // A map in many shades has this one like any other.
+    let many: Vec<u8> = (0..=255).collect();
+    assert_eq!(warned(with("0.196", "0.25"), [b"P5 256 1 255 ", many.as_slice()].concat()).1, Vec::<String>::new());
+}
+
+#[test]
+fn an_image_for_the_other_value_of_negate_is_told_of() {
+    let (cells, warnings) = warned(YAML, b"P5 4 1 255 \xff\x01\x32\x32");
+    assert_eq!(cells, [Some(false), Some(true), Some(true), Some(true)]);
+    let expected = "m.yaml:4:9: negate = 0: 2 of 4 pixels have the shade 50, which unknown cells have in an image for negate = 1; write negate: 1 if occupied cells are white";
+    assert_eq!(warnings, [expected]);
+    let (_, warnings) = warned(with("negate: 0", "negate: 1"), b"P5 4 1 255 \x00\xfe\xcd\xcd");
+    assert!(warnings[0].contains("negate = 1: 2 of 4 pixels have the shade 205"), "{warnings:?}");
+    assert_eq!(warned(with("negate: 0", "negate: 1"), b"P5 4 1 255 \xff\x01\x32\x32").1, Vec::<String>::new());
+}
+
+#[test]
+fn cells_of_metres_are_told_of() {
+    let expected = "m.yaml:2:13: resolution = 5: cells of 5 m; give metres, such as 0.05";
+    assert_eq!(warned(with("0.05", "5"), PGM).1, [expected]);
+    assert_eq!(warned(with("0.05", "1"), PGM).1, Vec::<String>::new());
+}
+
+#[test]
+fn shades_that_are_no_percent_are_counted() {
+    let yaml = format!("{YAML}mode: raw\n");
+    assert_eq!(warned(&yaml, b"P5 4 1 255 \x00\x64\xff\xff").1, Vec::<String>::new());
+    let (cells, warnings) = warned(&yaml, b"P5 4 1 255 \x00\x65\xfe\xff");
+    assert_eq!(cells, [Some(false), None, None, None]);
+    let expected = "m.yaml:7:7: mode = raw: 2 of 4 pixels have shades from 101 to 254, which mean nothing in mode raw, and are read as unknown; use mode trinary or scale if the image shows shades of darkness";
+    assert_eq!(warnings, [expected]);
+}
+
+#[test]
+fn booleans_of_yaml_1_1() {
+    let negated = b"P5 2 2 255 \xff\x01\x32\xff";
+    for word in ["1", "yes", "Yes", "YES", "on", "On", "TRUE", "True", "true", "y", "Y", "'yes'"] {
+        assert_eq!(cells(with("negate: 0", &format!("negate: {word}")), negated), CELLS, "{word}");
+    }
+    for word in ["0", "no", "No", "NO", "off", "OFF", "FALSE", "False", "false", "n", "N"] {
+        assert_eq!(cells(with("negate: 0", &format!("negate: {word}")), PGM), CELLS, "{word}");
+    }
+}
+
+#[test]
+fn numbers_of_single_precision_are_what_was_meant() {
+    let yaml = with("0.05", "0.05000000074505806").replace("-4.0,", "-4.050000190734863,");
+    let folder = folder(yaml, PGM);
+    let map = ros_map::read(&folder.path().join("m.yaml")).expect("readable");
+    let numbers = [map.spec.cell_m, map.spec.origin_m[0], map.spec.origin_m[1]];
+    assert_eq!(numbers.map(f64::to_bits), [0.05, -4.05, -4.05].map(f64::to_bits));
+}
+
+#[test]
+fn every_kind_of_png() {
+    use ColorType::{Grayscale, GrayscaleAlpha, Indexed, Rgb};
+    let cells = |image: Vec<u8>| cells(YAML, image);
+    assert_eq!(cells(png(Grayscale, BitDepth::Eight, &[], &[0, 254, 205, 0])), CELLS);
+    assert_eq!(cells(png(GrayscaleAlpha, BitDepth::Eight, &[], &[0, 255, 254, 255, 90, 0, 0, 255])), CELLS);
+    assert_eq!(cells(png(Indexed, BitDepth::Two, &[0, 0, 0, 254, 254, 254, 205, 205, 205], &[0x10, 0x80])), CELLS);
+    let rgb = [0, 254, 205, 0].map(|v| [v; 3]);
+    assert_eq!(cells(png(Rgb, BitDepth::Eight, &[], rgb.as_flattened())), CELLS);
+    let wide = [0, 254, 205, 0].map(|v| [v; 6]);
+    assert_eq!(cells(png(Rgb, BitDepth::Sixteen, &[], wide.as_flattened())), CELLS);
+    // Black and white alone: nothing is unknown.
+    let two = [Some(true), Some(false), Some(false), Some(true)];
+    assert_eq!(
+        cells(png(Grayscale, BitDepth::One, &[], &[0b0100_0000, 0b1000_0000])),
+        [two[2], two[3], two[0], two[1]]
+    );
+}
+
+#[test]
+fn black_and_white_netpbm_images() {
+    let two = [Some(true), Some(false), Some(false), Some(true)];
+    assert_eq!(cells(YAML, "P1\n2 2\n0 1\n1 0\n"), two);
+    assert_eq!(cells(YAML, "P1 2 2 0110"), two);
+    assert_eq!(cells(YAML, b"P4 2 2 \x40\x80"), two);
+    assert_eq!(cells(YAML, "P3 2 2 255 0 0 0 254 254 254 205 205 205 0 0 0"), CELLS);
+    let pam = |tuple: &str, depth: usize| {
+        format!("P7\nWIDTH 2\nHEIGHT 2\nDEPTH {depth}\nMAXVAL 255\nTUPLTYPE {tuple}\nENDHDR\n")
+    };
+    assert_eq!(cells(YAML, [pam("GRAYSCALE", 1).as_bytes(), b"\x00\xfe\xcd\x00"].concat()), CELLS);
+    let alpha = b"\x00\xff\xfe\xff\x5a\x00\x00\xff";
+    assert_eq!(cells(YAML, [pam("GRAYSCALE_ALPHA", 2).as_bytes(), alpha].concat()), CELLS);
+    let message = message(YAML, b"BM and the rest");
+    assert!(message.contains("it is a BMP image; save the map again or convert it to one of the two"), "{message}");
 }

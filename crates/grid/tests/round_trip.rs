@@ -3,9 +3,10 @@
 use std::fs;
 use std::path::Path;
 
-use grid::ros_map::{self, Coding, EncodeError, Mode, Place, RosMapError, Shades, Thresholds};
+use grid::ros_map::{self, Coding, EncodeError, Mode, RosMapError, Shades, Thresholds};
 use grid::{GridSpec, Raster, npy};
 use proptest::prelude::*;
+use strict::Place;
 
 /// Writes a map as `m.yaml` and `m.pgm` or `m.png`.
 fn write(folder: &Path, map: &Raster<Option<f32>>, yaw_rad: f64, coding: &Coding, png: bool) {
@@ -193,6 +194,6 @@ fn an_error_names_the_place() {
     let text = ros_map::describe(row(vec![None]).spec(), 0.0, &Coding::default(), "gone.pgm");
     fs::write(&path, text).expect("written");
     let error = ros_map::read(&path).expect_err("no image");
-    let expected = Place { path, line: 1, column: 8 };
+    let expected = Place { file: path.display().to_string(), line: 1, column: 8 };
     assert!(matches!(error, RosMapError::NoImage { place, .. } if place == expected));
 }

@@ -96,7 +96,7 @@ fn refuse_endless(scene: &Scene) -> Result<(), SceneError> {
 }
 
 fn invalid(stop: &Stop, problem: Problem) -> SceneError {
-    SceneError::Invalid { place: stop.place.clone(), problem: Box::new(problem) }
+    SceneError::at(stop.place.clone(), problem)
 }
 
 /// The obstacles as colliders; `user_data` is the obstacle's index.

@@ -1,30 +1,13 @@
 //! What can be wrong with a scene.
 
-use std::fmt;
 use std::io;
 
 use grid::GridError;
 use grid::ros_map::RosMapError;
+use strict::{ErrorKind, Place};
 use thiserror::Error;
 
-use crate::FloorPlanError;
-
-/// A place in a scene file.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Place {
-    /// The file as the caller named it.
-    pub file: String,
-    /// Line, from 1.
-    pub line: usize,
-    /// Character within the line, from 1.
-    pub column: usize,
-}
-
-impl fmt::Display for Place {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}:{}:{}", self.file, self.line, self.column)
-    }
-}
+use crate::floor_plan::FloorPlanError;
 
 /// Why there is no scene, or no drive through it. Every message is one line: place, value, bound, what to do.
 #[derive(Debug, Error)]
@@ -47,16 +30,12 @@ pub enum SceneError {
     },
 }
 
-/// What a [`SceneError`] comes from, for exit codes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ErrorKind {
-    /// A name or a content that the user can correct.
-    BadInput,
-    /// The system could not read a file that is there.
-    Io,
-}
-
 impl SceneError {
+    /// A problem at a place of the scene file.
+    pub(crate) fn at(place: Place, problem: Problem) -> Self {
+        Self::Invalid { place, problem: Box::new(problem) }
+    }
+
     /// What the error comes from.
     pub fn kind(&self) -> ErrorKind {
         match self {
@@ -70,11 +49,12 @@ impl SceneError {
     }
 }
 
-impl ErrorKind {
-    /// A name that is wrong is the user's, a refusal the system's.
-    pub(crate) fn of(source: &io::Error) -> Self {
-        let named_wrong = [io::ErrorKind::NotFound, io::ErrorKind::IsADirectory, io::ErrorKind::NotADirectory];
-        if named_wrong.contains(&source.kind()) { Self::BadInput } else { Self::Io }
+impl From<strict::Error> for SceneError {
+    fn from(error: strict::Error) -> Self {
+        match error {
+            strict::Error::Unreadable { file, source } => Self::Unreadable { file, source },
+            strict::Error::Invalid { place, problem } => Self::at(place, Problem::File(*problem)),
+        }
     }
 }
 
@@ -82,21 +62,9 @@ impl ErrorKind {
 #[derive(Debug, Error)]
 #[allow(missing_docs)] // The fields are what the messages say.
 pub enum Problem {
-    /// Not a text file.
-    #[error("{0}; must be a TOML text of at most 16 MiB in UTF-8")]
-    NotText(String),
-    /// Not TOML.
-    #[error("no valid TOML: {0}")]
-    Syntax(String),
-    /// A key that nothing reads.
-    #[error("{element}: unknown key `{key}`{hint}; known keys: {known}")]
-    UnknownKey { element: String, key: String, hint: String, known: String },
-    /// A key that must be there.
-    #[error("{element}: `{key}` is missing; add {example}")]
-    MissingKey { element: String, key: String, example: String },
-    /// A value of the wrong type or outside its range.
-    #[error("{element}: {key} = {value}: must be {bound}; {remedy}")]
-    Value { element: String, key: String, value: String, bound: String, remedy: String },
+    /// What any file can have wrong: no text, no TOML, a key, a value.
+    #[error("{0}")]
+    File(strict::Problem),
     /// A name that is not declared.
     #[error("{element}: no waypoint `{name}`{hint}; known waypoints: {known}")]
     UnknownWaypoint { element: String, name: String, hint: String, known: String },

@@ -1,10 +1,13 @@
 //! Families: generated scenes, one per layout number.
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
+use strict::Place;
+
+use crate::file::edit::quoted;
 use crate::generate::{self, Layout, Plan};
-use crate::{Place, Problem, Scene, SceneError, file};
+use crate::{Problem, Scene, SceneError};
 
 /// A kind of place, of which every layout number gives another: a TOML file with a `[generate]`
 /// table, and the `[grid]`, `[camera]`, `[sensor]` and `[robot]` of its scenes.
@@ -83,22 +86,6 @@ impl Set {
 }
 
 impl Family {
-    /// Reads and checks the family file at `path`.
-    ///
-    /// # Errors
-    /// A file that cannot be read, and the first problem with what it says.
-    pub fn load(path: &Path) -> Result<Self, SceneError> {
-        Self::parse(&file::read(path)?, path)
-    }
-
-    /// Checks the family that `text` describes; `path` is named in messages.
-    ///
-    /// # Errors
-    /// The first problem with what the text says.
-    pub fn parse(text: &str, path: &Path) -> Result<Self, SceneError> {
-        file::parse_family(text, path)
-    }
-
     /// The scene file of a layout, as text. The same seed gives the same text.
     ///
     /// # Errors
@@ -119,23 +106,23 @@ impl Family {
     }
 
     fn layout(&self, seed: u64, variation: &Variation) -> Result<Layout, SceneError> {
-        let invalid = |problem| SceneError::Invalid { place: self.place.clone(), problem: Box::new(problem) };
+        let invalid = |problem| SceneError::at(self.place.clone(), problem);
         let size_factor = variation.size_factor;
         if !(0.1..=10.0).contains(&size_factor) {
-            return Err(invalid(Problem::Value {
+            return Err(invalid(Problem::File(strict::Problem::Value {
                 element: "the variation asked for".to_owned(),
                 key: "size_factor".to_owned(),
                 value: size_factor.to_string(),
                 bound: "a factor on the obstacle size, 0.1 to 10".to_owned(),
                 remedy: "give a factor such as 2, or 1 for the family as it is".to_owned(),
-            }));
+            })));
         }
         let plan = Plan { obstacle_m: self.plan.obstacle_m * size_factor, ..self.plan.clone() };
         let [width, height] = plan.size_m.map(|range| range[1]);
         let pieces = plan.covered * width * height / (plan.obstacle_m * plan.obstacle_m);
         if pieces > MOST_PIECES {
             let least = 1e-3 * (1e3 * (plan.covered * width * height / MOST_PIECES).sqrt()).ceil();
-            return Err(invalid(Problem::Value {
+            return Err(invalid(Problem::File(strict::Problem::Value {
                 element: "[generate]".to_owned(),
                 key: "obstacle_size".to_owned(),
                 value: plan.obstacle_m.to_string(),
@@ -144,7 +131,7 @@ impl Family {
                     plan.covered
                 ),
                 remedy: "give a larger obstacle_size or a lower covered".to_owned(),
-            }));
+            })));
         }
         let clear_m = self.robot_radius_m + plan.clearance_m;
         generate::layout(&plan, clear_m, seed).ok_or_else(|| {
@@ -164,8 +151,7 @@ impl Family {
         let [width, height] = layout.size_m;
         let mut text =
             format!("# Layout {seed} of the family {name}, obstacle size times {}.\n\n", variation.size_factor);
-        let quoted = description.replace('\\', "\\\\").replace('"', "\\\"");
-        let _ = write!(text, "name = \"{name}-{seed}\"\ndescription = \"{quoted}\"\n\n");
+        let _ = write!(text, "name = \"{name}-{seed}\"\ndescription = {}\n\n", quoted(description));
         let _ = write!(text, "[bounds]\nmin = [0.0, 0.0]\nmax = [{width:?}, {height:?}]\n\n");
         for piece in &layout.pieces {
             let _ = write!(text, "{piece}\n\n");
@@ -185,26 +171,6 @@ impl Family {
             }
         }
         text
-    }
-}
-
-/// The scene at `path`: a scene file's, or with `layout` that of a family file. `cell_m` replaces the file's
-/// cell size (m).
-///
-/// # Errors
-/// As [`Scene::load`] and [`Family::scene`]; a layout of what is no family.
-pub fn load(path: &Path, cell_m: Option<f64>, layout: Option<u64>) -> Result<Scene, SceneError> {
-    let text = file::read(path)?;
-    if file::is_family(&text) {
-        return Family::parse(&text, path)?.scene(layout.unwrap_or(Set::FIRST_TEST), cell_m, &Variation::default());
-    }
-    let scene = Scene::parse(&text, path, cell_m)?;
-    match layout {
-        None => Ok(scene),
-        Some(layout) => {
-            let place = Place { file: path.display().to_string(), line: 1, column: 1 };
-            Err(SceneError::Invalid { place, problem: Box::new(Problem::NoFamily { layout }) })
-        }
     }
 }
 

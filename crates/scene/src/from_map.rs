@@ -6,11 +6,14 @@ use std::path::{Path, PathBuf};
 
 use grid::ros_map::{self, RosMapError};
 use grid::{GridSpec, Raster};
+use strict::{ErrorKind, Place};
 use thiserror::Error;
 
+use crate::enclosure::{Enclosure, enclosure};
 use crate::file::plan::{THICKNESS_M, inside, walls};
-use crate::survey::{Survey, SurveyError, SurveyOptions, survey};
-use crate::{ErrorKind, FloorPlan, FloorPlanError, Scene, SceneError, drive, truth};
+use crate::floor_plan::{FloorPlan, FloorPlanError};
+use crate::survey::{Progress, Survey, SurveyError, SurveyOptions, Watch, survey_watched};
+use crate::{Scene, SceneError, Warning, World, drive, truth};
 
 /// Cells on which the route through a floor plan is planned, m: half of the usual, so that doors lose little.
 const PLAN_CELL_M: f64 = 0.025;
@@ -33,6 +36,12 @@ pub struct MadeScene {
     pub survey: Survey,
     /// Scans of the drive.
     pub scans: usize,
+    /// Free, occupied and unknown cells of the map, or of the plan as it was surveyed.
+    pub cells: [usize; 3],
+    /// What the rays of the drive end on.
+    pub enclosure: Enclosure,
+    /// What is suspicious about map and route, nothing where all is well.
+    pub warnings: Vec<Warning>,
 }
 
 /// Why there is no scene.
@@ -44,6 +53,20 @@ pub enum MakeError {
     /// The floor plan cannot be read.
     #[error("{0}")]
     Plan(#[from] FloorPlanError),
+    /// The map's rows leave the x axis.
+    #[error(
+        "{place}: origin angle = {yaw_rad}: must be 0, since cells lie along x and y; `convert {} STRAIGHT.yaml --origin {},{},0` keeps its cells and lays its rows along x", map.display(), origin_m[0], origin_m[1]
+    )]
+    Turned {
+        /// Where the angle stands.
+        place: Place,
+        /// The map's YAML file.
+        map: PathBuf,
+        /// The angle, rad.
+        yaw_rad: f64,
+        /// The map's lower-left corner, m.
+        origin_m: [f64; 2],
+    },
     /// There is no route.
     #[error("{}: {problem}", path.display())]
     Survey {
@@ -52,8 +75,8 @@ pub enum MakeError {
         /// Why.
         problem: SurveyError,
     },
-    /// It lies too far away.
-    #[error("{}: must lie within 1000000 m of the origin; correct its origin and resolution", .0.display())]
+    /// It is too large.
+    #[error("{}: reaches more than 1000000 m; correct its resolution", .0.display())]
     Far(PathBuf),
     /// The scene is none that can be driven: too large for the memory, or too long.
     #[error("{0}")]
@@ -73,43 +96,114 @@ impl MakeError {
 }
 
 /// Makes a scene of the ROS map at `map`, to be written to `scene`: the map's name in it is relative to there. The scene
-/// is checked and driven before it is returned.
+/// is checked and driven before it is returned; `progress` is told how far the work is.
+///
+/// A map that lies more than 1,000,000 m away, as in projected coordinates, gets an origin of its own in the scene.
 ///
 /// # Errors
-/// A map that cannot be read or in which the robot cannot move.
-pub fn from_map(map: &Path, scene: &Path, options: &SurveyOptions) -> Result<MadeScene, MakeError> {
-    let cells = ros_map::read(map)?.cells();
-    made(map, scene, options, &cells, "map", Some(cells.spec()))
+/// A map that cannot be read, is turned, or in which the robot cannot move.
+pub fn from_map(map: &Path, scene: &Path, options: &SurveyOptions, progress: Watch) -> Result<MadeScene, MakeError> {
+    let read = ros_map::read(map)?;
+    let mut warnings: Vec<Warning> = read.warnings.iter().cloned().map(Warning::Map).collect();
+    let place = |of: fn(&ros_map::Places) -> &Place| {
+        let whole = Place { file: map.display().to_string(), line: 1, column: 1 };
+        read.places.as_ref().map_or(whole, |places| of(places).clone())
+    };
+    if read.is_turned() {
+        let (yaw_rad, origin_m) = (read.yaw_rad, read.spec.origin_m);
+        return Err(MakeError::Turned { place: place(|places| &places.yaw), map: map.into(), yaw_rad, origin_m });
+    }
+    let cells = read.cells();
+    let count = |state: Option<bool>| cells.values().iter().filter(|&&cell| cell == state).count();
+    let [free, occupied, unknown] = [Some(false), Some(true), None].map(count);
+    if occupied == 0 && free > 0 {
+        let problem = SurveyError::NoOccupied { cells: cells.spec().cells(), free, unknown };
+        return Err(MakeError::Survey { path: map.into(), problem });
+    }
+    let mut source = Source { path: map, table: "map", cells, crop: true, moved: false };
+    let mut options = *options;
+    if !too_far(source.cells.spec()) {
+        return made(&source, scene, &options, warnings, progress);
+    }
+    let origin_m = read.spec.origin_m;
+    warnings.push(Warning::Far { place: place(|places| &places.origin), origin_m });
+    source.move_to_origin();
+    options.start_m = options.start_m.map(|at| [at[0] - origin_m[0], at[1] - origin_m[1]]);
+    made(&source, scene, &options, warnings, progress).map_err(|error| at_home(error, origin_m))
+}
+
+/// The error in the map's own coordinates, in which the start was given.
+fn at_home(error: MakeError, [x, y]: [f64; 2]) -> MakeError {
+    match error {
+        MakeError::Survey { path, problem: SurveyError::Start { x_m, y_m, nearest } } => {
+            let nearest = [nearest[0] + x, nearest[1] + y];
+            MakeError::Survey { path, problem: SurveyError::Start { x_m: x_m + x, y_m: y_m + y, nearest } }
+        }
+        other => other,
+    }
 }
 
 /// Makes a scene of the floor plan at `plan`, to be written to `scene`, as [`from_map`] does.
 ///
 /// # Errors
 /// A plan that cannot be read or in which the robot cannot move.
-pub fn from_plan(plan: &Path, scene: &Path, options: &SurveyOptions) -> Result<MadeScene, MakeError> {
-    let cells = plan_cells(&FloorPlan::load(plan)?);
-    made(plan, scene, options, &cells, "plan", None)
+pub fn from_plan(plan: &Path, scene: &Path, options: &SurveyOptions, progress: Watch) -> Result<MadeScene, MakeError> {
+    progress(Progress { step: "reading the plan", done: 0, of: 1 });
+    let read = FloorPlan::load(plan)?;
+    let warnings = read.warning(plan).into_iter().collect();
+    let source = Source { path: plan, table: "plan", cells: plan_cells(&read), crop: false, moved: false };
+    made(&source, scene, options, warnings, progress)
+}
+
+/// What a scene is made from.
+struct Source<'a> {
+    path: &'a Path,
+    /// The table of the scene file that names it.
+    table: &'a str,
+    cells: Raster<Option<bool>>,
+    /// Whether the scene holds the part around the floor alone.
+    crop: bool,
+    /// Whether its lower-left corner was moved to the origin.
+    moved: bool,
+}
+
+impl Source<'_> {
+    fn move_to_origin(&mut self) {
+        let spec = GridSpec { origin_m: [0.0; 2], ..*self.cells.spec() };
+        self.cells = Raster::new(spec, self.cells.values().to_vec());
+        self.moved = true;
+    }
+}
+
+fn too_far(spec: &GridSpec) -> bool {
+    let corners = [spec.corner(0), spec.corner(spec.cells() - 1)];
+    corners.iter().flatten().any(|v| v.abs() > METRES - 2.0 * spec.cell_m)
 }
 
 fn made(
-    source: &Path,
+    source: &Source,
     scene: &Path,
     options: &SurveyOptions,
-    cells: &Raster<Option<bool>>,
-    table: &str,
-    crop: Option<&GridSpec>,
+    mut warnings: Vec<Warning>,
+    progress: Watch,
 ) -> Result<MadeScene, MakeError> {
-    let spec = cells.spec();
-    let corners = [spec.corner(0), spec.corner(spec.cells() - 1)];
-    if corners.iter().flatten().any(|v| v.abs() > METRES - 2.0 * spec.cell_m) {
-        return Err(MakeError::Far(source.into()));
+    let spec = source.cells.spec();
+    if too_far(spec) {
+        return Err(MakeError::Far(source.path.into()));
     }
-    let survey = survey(cells, options).map_err(|problem| MakeError::Survey { path: source.into(), problem })?;
-    let bounds_m = crop.and_then(|spec| around_floor(spec, &survey.floor));
-    let text = text::written(source, scene, table, bounds_m, &survey, options);
+    let none = |problem| MakeError::Survey { path: source.path.into(), problem };
+    let survey = survey_watched(&source.cells, options, progress).map_err(none)?;
+    let count = |state: Option<bool>| source.cells.values().iter().filter(|&&cell| cell == state).count();
+    let cells = [Some(false), Some(true), None].map(count);
+    let bounds_m = if source.crop { around_floor(spec, &survey.floor) } else { None };
+    let place = text::Origin { source: source.path, table: source.table, moved: source.moved, bounds_m };
+    let text = text::written(&place, scene, &survey, options);
+    progress(Progress { step: "driving", done: 0, of: 1 });
     let checked = Scene::parse(&text, scene, None)?;
-    let scans = drive(&checked)?.poses.len();
-    Ok(MadeScene { text, survey, scans })
+    let drive = drive(&checked)?;
+    let enclosure = enclosure(&checked, &World::new(&checked), &drive);
+    warnings.extend(enclosure.warning(source.path));
+    Ok(MadeScene { text, survey, scans: drive.poses.len(), cells, enclosure, warnings })
 }
 
 /// The plan in cells: occupied where a wall covers any part, free inside, unknown outside.
@@ -121,7 +215,7 @@ fn plan_cells(plan: &FloorPlan) -> Raster<Option<bool>> {
     let size = [0, 1].map(|k| ((max[k] - min[k]) / cell_m).ceil().max(1.0) as usize);
     let spec = GridSpec { cell_m, origin_m: min, width: size[0], height: size[1] };
     let mut cells = inside(&plan.outline_m, &spec).map(|&inside| inside.then_some(false));
-    for wall in walls(&plan.outline_m, THICKNESS_M) {
+    for wall in walls(plan, THICKNESS_M) {
         truth::occupy(&mut cells, &wall);
     }
     cells

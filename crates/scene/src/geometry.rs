@@ -67,6 +67,17 @@ fn segment_box_holds(p: [f64; 2], q: [f64; 2], r: [f64; 2]) -> bool {
     (0..2).all(|k| p[k].min(q[k]) <= r[k] && r[k] <= p[k].max(q[k]))
 }
 
+/// The first two sides of an outline that run across each other; sides that only touch do not.
+pub(crate) fn crossed(points: &[[f64; 2]]) -> Option<(usize, usize)> {
+    let n = points.len();
+    let side = |k: usize| (points[k], points[(k + 1) % n]);
+    let across = |(a, b): ([f64; 2], [f64; 2]), (c, d): ([f64; 2], [f64; 2])| {
+        let turn = |p, q, r| cross(minus(q, p), minus(r, p));
+        opposite(turn(a, b, c), turn(a, b, d)) && opposite(turn(c, d, a), turn(c, d, b))
+    };
+    (0..n).find_map(|i| (i + 1..n).find(|&j| across(side(i), side(j))).map(|j| (i, j)))
+}
+
 /// The first two sides that meet other than at the corner they share.
 pub(crate) fn crossing(points: &[[f64; 2]]) -> Option<(usize, usize)> {
     let n = points.len();

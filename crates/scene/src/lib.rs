@@ -17,6 +17,7 @@
 //! Lengths are in metres, angles in radians, counter-clockwise from the x axis.
 
 mod drive;
+mod enclosure;
 mod error;
 mod family;
 mod file;
@@ -24,31 +25,36 @@ mod floor_plan;
 mod from_map;
 mod generate;
 mod geometry;
+mod load;
 mod memory;
 mod scene;
 mod shape;
 mod simulate;
 mod survey;
 mod truth;
+mod warning;
 mod world;
 
 pub use drive::{Drive, TimedPose, drive};
-/// Strict reading of TOML files, for files of other kinds than scenes.
+/// What other files than scenes share with them: the camera's table, the limits of their numbers, and other values in the
+/// place of a file's own.
 pub mod reader {
     pub use crate::file::camera::{CLUSTERING, stereo};
     pub use crate::file::edit::{Given, Override, with};
     pub use crate::file::limits;
-    pub use crate::file::table::{Limit, Source, Table, Value, nearest, number};
-    pub use crate::file::{open, read};
 }
 
-pub use error::{ErrorKind, Place, Problem, SceneError};
-pub use family::{Family, Set, Variation, load};
+pub use enclosure::{Enclosure, enclosure};
+pub use error::{Problem, SceneError};
+pub use family::{Family, Set, Variation};
 pub use floor_plan::{FloorPlan, FloorPlanError};
 pub use from_map::{MadeScene, MakeError, from_map, from_plan};
+pub use load::load;
 pub use scene::{Area, Obstacle, Origin, Region, Robot, Scene, StagePlan, Stop, Waypoint};
 pub use shape::Shape;
 pub use simulate::{SimulatedScan, Simulation, Stage, simulate};
-pub use survey::{Survey, SurveyError, SurveyOptions, survey};
+pub use strict::{ErrorKind, Place};
+pub use survey::{Progress, Survey, SurveyError, SurveyOptions, Watch, survey, survey_watched};
 pub use truth::{truth, truth_at_centres};
+pub use warning::Warning;
 pub use world::{Hit, World};

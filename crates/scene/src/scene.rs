@@ -1,12 +1,14 @@
 //! A valid scene: plain values.
 
 use std::fmt;
-use std::path::Path;
 
 use grid::{GridSpec, Raster};
 use sensor::{Camera, Matcher};
+use strict::Place;
 
-use crate::{Place, SceneError, Shape, file, geometry::distance};
+use crate::geometry::distance;
+use crate::shape::Shape;
+use crate::warning::Warning;
 
 /// A room, a robot and its way through it, as a scene file describes them. Valid by construction:
 /// [`Scene::load`] and [`Scene::parse`] are the only ways to one.
@@ -41,6 +43,8 @@ pub struct Scene {
     pub matcher: Matcher,
     /// The robot.
     pub robot: Robot,
+    /// What is suspicious about the scene, nothing where all is well.
+    pub warnings: Vec<Warning>,
 }
 
 /// Something that rays end on and the robot cannot pass.
@@ -144,23 +148,6 @@ pub struct Robot {
 }
 
 impl Scene {
-    /// Reads and checks the scene file at `path`. `cell_m` replaces the file's cell size (m).
-    ///
-    /// # Errors
-    /// A file that cannot be read, and the first problem with what it says.
-    pub fn load(path: &Path, cell_m: Option<f64>) -> Result<Self, SceneError> {
-        Self::parse(&file::read(path)?, path, cell_m)
-    }
-
-    /// Checks the scene that `text` describes. `path` is named in messages, and a map is looked
-    /// for from its folder; `cell_m` replaces the file's cell size (m).
-    ///
-    /// # Errors
-    /// The first problem with what the text says.
-    pub fn parse(text: &str, path: &Path, cell_m: Option<f64>) -> Result<Self, SceneError> {
-        file::parse(text, path, cell_m)
-    }
-
     /// The waypoint of the stop with the given number, from 0.
     pub fn waypoint_of(&self, stop: usize) -> &Waypoint {
         &self.waypoints[self.stops[stop].waypoint]

@@ -1,12 +1,14 @@
 //! `check SCENE`: is the scene valid, and what does it hold?
 
 use mapper::Prior;
+use scene::enclosure;
 use score::{Sight, Sightings};
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
 use crate::output::args::SceneOptions;
 use crate::output::table::{Table, aligned, rounded};
+use crate::output::warn;
 use crate::worlds::run::Ground;
 
 /// Loads the scene, drives its route, and prints what there is.
@@ -15,6 +17,8 @@ use crate::worlds::run::Ground;
 /// The first problem with the scene or its route.
 pub fn run(options: &SceneOptions) -> Result<(), Failure> {
     let ground = Ground::new(scene::load(&options.scene, options.grid, options.layout)?, Prior::default().occupancy)?;
+    warn(&ground.scene.warnings);
+    warn(enclosure(&ground.scene, &ground.world, &ground.drive).warning(&options.scene).as_slice());
     let facts = facts(&ground);
     let table = Table::of(
         &facts,

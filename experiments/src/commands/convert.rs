@@ -15,9 +15,9 @@ use self::map::{Map, extension, graded};
 use self::options::{Origin, Shading};
 use crate::failure::Failure;
 use crate::jobs::interruption;
-use crate::output::note;
 use crate::output::single::{self, Existing, Whole};
 use crate::output::table;
+use crate::output::{note, warn};
 
 /// Reads a map, writes it, and prints what was written.
 ///
@@ -31,7 +31,9 @@ pub fn run(options: &ConvertOptions) -> Result<(), Failure> {
         return Err(Failure::BadInput(message.to_owned()));
     }
     let kind = output::Kind::of(&options.output)?;
+    effective(options, kind)?;
     let map = input::read(options)?;
+    warn(&map.warnings);
     let thresholds = Thresholds {
         occupied: options.occupied_thresh.unwrap_or(map.thresholds.occupied),
         free: options.free_thresh.unwrap_or(map.thresholds.free),
@@ -50,6 +52,24 @@ pub fn run(options: &ConvertOptions) -> Result<(), Failure> {
     let sources: Vec<&Path> = map.sources.iter().map(PathBuf::as_path).collect();
     single::put(&files, &sources, Existing::forced(options.force))?;
     table::print(&summary(&map, kind, options, &coding, &files))
+}
+
+/// Refuses options that would have no effect.
+fn effective(options: &ConvertOptions, kind: output::Kind) -> Result<(), Failure> {
+    let from = extension(&options.input);
+    if options.read_as.is_some() && ["yaml", "yml", "npy"].contains(&from.as_str()) {
+        let remedy =
+            if from == "npy" { "leave it out" } else { "change `mode` in the YAML file, or convert its image" };
+        return Err(Failure::BadInput(format!(
+            "--read-as: must stand with an image without YAML, not .{from}; {remedy}"
+        )));
+    }
+    if options.row_order.is_some() && from != "npy" && kind != output::Kind::Npy {
+        return Err(Failure::BadInput(
+            "--row-order: must stand with an .npy file to read or write; leave it out".to_owned(),
+        ));
+    }
+    Ok(())
 }
 
 /// A map that marks no cell as unknown, and whose free cells mostly hold one value: probably that of cells that nobody

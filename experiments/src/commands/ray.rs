@@ -18,8 +18,8 @@ pub use viewing_ray::{MOST_CELLS, ViewingRay, both};
 use std::io::Write as _;
 use std::path::Path;
 
-use scene::reader::nearest;
 use serde_json::json;
+use strict::nearest;
 
 use self::views::Digits;
 use crate::failure::Failure;

@@ -26,8 +26,8 @@ use crate::jobs::progress::Progress;
 use crate::jobs::threads;
 use crate::output::args::Format;
 use crate::output::folder::{self, Purpose, Staging};
-use crate::output::note;
 use crate::output::record::Record;
+use crate::output::{note, warn};
 use crate::worlds::claims::{self, Claim};
 use crate::worlds::run::{Ground, Keep, Trial};
 
@@ -43,6 +43,8 @@ pub fn run(options: &RoomOptions) -> Result<(), Failure> {
     let usual = || folder::for_scene(&Path::new("results").join(&ground.scene.name), &options.scene);
     let out = options.out.clone().unwrap_or_else(usual);
     plan::claimable(&ground, options)?;
+    warn(&ground.scene.warnings);
+    warn(scene::enclosure(&ground.scene, &ground.world, &ground.drive).warning(&options.scene).as_slice());
     let files = outputs::names(&ground, &mappers);
     let mut staging = Staging::open(&out, &Purpose::new("room", &[&options.scene], files))?;
     threads::limit(options.threads.count)?;

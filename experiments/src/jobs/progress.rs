@@ -71,6 +71,36 @@ impl Count {
     }
 }
 
+/// Progress through steps of which each counts its own parts. Silent where stderr is not a terminal.
+pub struct Steps {
+    bar: ProgressBar,
+}
+
+impl Steps {
+    /// A bar before its first step.
+    pub fn new() -> Self {
+        Self { bar: bar(1, "{bar:32} {msg}, {elapsed}") }
+    }
+
+    /// So much of a step is done.
+    pub fn show(&self, step: &'static str, done: usize, of: usize) {
+        self.bar.set_length(of as u64);
+        self.bar.set_position(done as u64);
+        self.bar.set_message(step);
+    }
+
+    /// Takes the bar away.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+impl Default for Steps {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 /// Progress over the jobs of a sweep, with their rate and what is left. Silent where stderr is not a terminal.
 pub struct Jobs {
     bar: ProgressBar,

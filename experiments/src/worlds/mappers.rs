@@ -1,7 +1,7 @@
 //! Mappers by the names that a user gives.
 
 use mapper::catalogue::{self, Entry};
-use scene::reader::nearest;
+use strict::nearest;
 
 use crate::failure::Failure;
 

@@ -1,12 +1,14 @@
-//! The header of an NPY file.
+//! The header of an NPY file: numpy's NEP 1, formats 1.0 to 3.0.
 //!
-//! Read here and not by npyz, which believes the header: it asks for as much memory as the header says that it is long,
-//! multiplies shapes without a bound and nests as deep as the text does.
+//! It is trusted with nothing: no memory is asked for by its length, and its shape is multiplied by nobody here.
 
 use std::io::{self, Read};
 
 /// numpy pads its headers to a multiple of 64 and needs some 120 bytes for a plain array.
 const MAX_BYTES: usize = 1 << 16;
+
+/// The values begin at a multiple of this many bytes.
+const ALIGNMENT: usize = 64;
 
 /// What the header says, none of it checked against the file.
 #[derive(Debug, PartialEq, Eq)]
@@ -57,6 +59,17 @@ impl Header {
         })?;
         Ok(Self { descr, fortran_order, shape, bytes })
     }
+}
+
+/// The header of a two-dimensional array of float32 in C order, little-endian, in format 1.0.
+pub(super) fn of_f4(rows: usize, columns: usize) -> Vec<u8> {
+    let mut text = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({rows}, {columns}, ), }}");
+    let before = 10; // bytes: magic, version and length
+    let padded = (before + text.len() + 1).next_multiple_of(ALIGNMENT);
+    text += &" ".repeat(padded - before - text.len() - 1);
+    text.push('\n');
+    let length = text.len() as u16; // two numbers of at most 20 digits
+    [b"\x93NUMPY\x01\x00".as_slice(), &length.to_le_bytes(), text.as_bytes()].concat()
 }
 
 /// The three values of the header's dictionary, in any order; a type of several fields is no text and thus none.
@@ -116,6 +129,20 @@ mod tests {
         );
         assert_eq!(both("{\"shape\":(7,),\"fortran_order\":True,\"descr\":\"<f4\"}"), Some((f4(), true, vec![7])));
         assert_eq!(both("{'descr': '<f4', 'fortran_order': False, 'shape': ()}"), Some((f4(), false, vec![])));
+    }
+
+    #[test]
+    fn what_is_written_is_read_and_ends_where_the_values_are_aligned() {
+        for (rows, columns) in [(1, 1), (160, 200), (1_000_000, 99), (usize::MAX, usize::MAX)] {
+            let bytes = of_f4(rows, columns);
+            let header = Header::read(&mut bytes.as_slice()).expect("our own");
+            let shape = vec![rows as u64, columns as u64];
+            assert_eq!(
+                header,
+                Header { descr: "<f4".to_owned(), fortran_order: false, shape, bytes: bytes.len() as u64 }
+            );
+            assert!(bytes.len().is_multiple_of(ALIGNMENT) && bytes.ends_with(b"\n"));
+        }
     }
 
     #[test]

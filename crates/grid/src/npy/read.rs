@@ -6,9 +6,11 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use crate::excerpt::{LONGEST_VALUE, excerpt};
+use strict::{LONGEST_VALUE, excerpt};
 
 use super::header::Header;
+use super::meaning::Meaning;
+use super::number::Number;
 
 /// As many cells as a map's image may have pixels.
 const MAX_CELLS: u64 = 100_000_000;
@@ -53,7 +55,7 @@ pub enum NpyError {
         /// What it is.
         value: String,
         /// What it must be.
-        bound: &'static str,
+        bound: String,
         /// What to do.
         remedy: &'static str,
     },
@@ -68,8 +70,9 @@ impl NpyError {
 
 /// Reads a two-dimensional array, in C or Fortran order: rows are y, row 0 is the lowest.
 ///
-/// float32 and float64 are shares of occupancy from 0 to 1, NaN is unknown, and float64 is rounded to float32; bool
-/// is occupied or free; int8 and uint8 are percent as in a ROS `OccupancyGrid`, -1 or 255 unknown.
+/// float16, float32 and float64 are shares of occupancy from 0 to 1, NaN is unknown, and float64 is rounded to float32;
+/// bool is occupied or free; integers are percent as in a ROS `OccupancyGrid`, -1 or 255 unknown. Pictures, states and
+/// percents that are stored as something else are refused, each with the line of numpy that mends it.
 ///
 /// # Errors
 /// A file that cannot be read, is no NPY file, ends too early, or holds another shape, type or value.
@@ -90,7 +93,7 @@ pub fn read_from(mut file: impl io::Read, length: u64, path: &Path) -> Result<Ar
     let header = reader.header(&mut file)?;
     let [height, width] = reader.shape(&header)?;
     let number = reader.number(&header)?;
-    let needed = height * width * number.bytes() as u64; // at most 800 million
+    let needed = height * width * number.bytes as u64; // at most 800 million
     let held = length.saturating_sub(header.bytes);
     if held != needed {
         let problem = format!(
@@ -100,113 +103,23 @@ pub fn read_from(mut file: impl io::Read, length: u64, path: &Path) -> Result<Ar
         return Err(reader.damaged(problem));
     }
     let (height, width) = (height as usize, width as usize);
-    let kind = number.kind();
+    let mut meaning = Meaning::of(&number);
     let mut occupancy = vec![None; width * height];
     let mut bytes = [0; 8];
     for k in 0..occupancy.len() {
-        let bytes = &mut bytes[..number.bytes()];
+        let bytes = &mut bytes[..number.bytes];
         file.read_exact(bytes).map_err(unreadable)?;
         let value = number.value(bytes);
         let (row, column) = if header.fortran_order { (k % height, k / height) } else { (k / width, k % width) };
-        occupancy[row * width + column] = kind.occupancy(value).ok_or_else(|| {
-            let (bound, remedy) = kind.range();
-            reader.value(&format!("value [{row}, {column}]"), value.to_string(), bound, remedy)
+        occupancy[row * width + column] = meaning.occupancy(value).ok_or_else(|| {
+            let (bound, remedy) = meaning.range(value);
+            reader.value(&format!("value [{row}, {column}]"), number.shown(value), bound, remedy)
         })?;
     }
-    // 1 % everywhere is no map: they are states.
-    let largest = occupancy.iter().flatten().copied().fold(0.0, f32::max);
-    if kind == Kind::Percent && largest > 0.0 && largest <= 0.01 {
-        let remedy = "save states as bool, or shares as float32";
-        return Err(reader.value("the largest value", "1".into(), "a percent, up to 100", remedy));
+    if let Some((what, value, bound, remedy)) = meaning.doubt() {
+        return Err(reader.value(what, value, bound, remedy));
     }
     Ok(Array { width, height, occupancy })
-}
-
-/// How a number lies in the file.
-#[derive(Debug, Clone, Copy)]
-enum Number {
-    F4 { big: bool },
-    F8 { big: bool },
-    Bool,
-    I1,
-    U1,
-}
-
-impl Number {
-    fn of(descr: &str) -> Option<Self> {
-        Some(match descr {
-            "<f4" | ">f4" => Self::F4 { big: descr.starts_with('>') },
-            "<f8" | ">f8" => Self::F8 { big: descr.starts_with('>') },
-            "|b1" => Self::Bool,
-            "|i1" => Self::I1,
-            "|u1" => Self::U1,
-            _ => return None,
-        })
-    }
-
-    fn bytes(self) -> usize {
-        match self {
-            Self::F4 { .. } => 4,
-            Self::F8 { .. } => 8,
-            Self::Bool | Self::I1 | Self::U1 => 1,
-        }
-    }
-
-    fn kind(self) -> Kind {
-        match self {
-            Self::F4 { .. } | Self::F8 { .. } => Kind::Share,
-            Self::Bool => Kind::State,
-            Self::I1 | Self::U1 => Kind::Percent,
-        }
-    }
-
-    /// The number in so many bytes.
-    fn value(self, bytes: &[u8]) -> f32 {
-        match (self, bytes) {
-            (Self::F4 { big }, &[a, b, c, d]) => {
-                let bytes = [a, b, c, d];
-                if big { f32::from_be_bytes(bytes) } else { f32::from_le_bytes(bytes) }
-            }
-            (Self::F8 { big }, &[a, b, c, d, e, f, g, h]) => {
-                let bytes = [a, b, c, d, e, f, g, h];
-                (if big { f64::from_be_bytes(bytes) } else { f64::from_le_bytes(bytes) }) as f32
-            }
-            (Self::I1, &[byte]) => f32::from(byte.cast_signed()),
-            (_, &[byte]) => f32::from(byte),
-            _ => f32::NAN, // no such length
-        }
-    }
-}
-
-/// What the numbers of an array are.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Kind {
-    Share,
-    State,
-    Percent,
-}
-
-impl Kind {
-    /// The occupancy that a value is; `None` for one out of range.
-    fn occupancy(self, value: f32) -> Option<Option<f32>> {
-        match self {
-            Self::Share if value.is_nan() => Some(None),
-            Self::Share | Self::State => (0.0..=1.0).contains(&value).then_some(Some(value)),
-            Self::Percent if (0.0..=100.0).contains(&value) => Some(Some((f64::from(value) / 100.0) as f32)),
-            // -1, and what it is in an unsigned byte.
-            Self::Percent => [-1.0, 255.0].contains(&value).then_some(None),
-        }
-    }
-
-    fn range(self) -> (&'static str, &'static str) {
-        match self {
-            Self::Share => ("from 0 to 1, or NaN", "save shares of occupancy, not percent or log odds"),
-            Self::State => ("0 or 1", "save the array again"),
-            Self::Percent => {
-                ("from 0 to 100, or -1 or 255", "save percent of occupancy, as a ROS OccupancyGrid has them")
-            }
-        }
-    }
 }
 
 /// Reads one file, which its errors name.
@@ -227,6 +140,11 @@ impl Reader<'_> {
         let cells = shape.iter().try_fold(1_u64, |product, &n| product.checked_mul(n));
         match (shape, cells) {
             (&[height, width], Some(1..=MAX_CELLS)) => Ok([height, width]),
+            (&[_, _, channels @ 2..=4], _) => {
+                let value = format!("({})", shape.iter().map(u64::to_string).collect::<Vec<_>>().join(", "));
+                let bound = format!("two numbers, rows and columns; this is a picture of {channels} channels");
+                Err(self.value("shape", value, &bound, "save one of them: numpy.save(path, a[:, :, 0])"))
+            }
             _ => {
                 let value = format!("({})", shape.iter().map(u64::to_string).collect::<Vec<_>>().join(", "));
                 let bound = "two numbers, rows and columns, of at least 1 and at most 100000000 cells in all";
@@ -237,7 +155,7 @@ impl Reader<'_> {
 
     fn number(&self, header: &Header) -> Result<Number, NpyError> {
         Number::of(&header.descr).ok_or_else(|| {
-            let bound = "float32, float64, bool, int8 or uint8";
+            let bound = "float16, float32, float64, bool, or integers of 1 to 8 bytes";
             self.value("dtype", header.descr.clone(), bound, "convert it with astype(\"float32\")")
         })
     }
@@ -250,8 +168,8 @@ impl Reader<'_> {
         NpyError::Damaged { path: self.path.into(), problem }
     }
 
-    fn value(&self, what: &str, value: String, bound: &'static str, remedy: &'static str) -> NpyError {
+    fn value(&self, what: &str, value: String, bound: &str, remedy: &'static str) -> NpyError {
         let value = excerpt(&value, LONGEST_VALUE);
-        NpyError::Value { path: self.path.into(), what: what.to_owned(), value, bound, remedy }
+        NpyError::Value { path: self.path.into(), what: what.to_owned(), value, bound: bound.to_owned(), remedy }
     }
 }

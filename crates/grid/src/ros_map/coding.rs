@@ -1,6 +1,6 @@
 //! What the shades of an image mean: the modes of `map_server`.
 
-use super::picture::Pixel;
+use super::pixel::Pixel;
 
 /// How the shades of a map's image say what is in its cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

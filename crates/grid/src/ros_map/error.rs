@@ -1,29 +1,10 @@
 //! What can be wrong with a map's files.
 
-use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use strict::{Place, excerpt};
 use thiserror::Error;
-
-use crate::excerpt::excerpt;
-
-/// A place in a text file.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Place {
-    /// The file.
-    pub path: PathBuf,
-    /// Line, from 1.
-    pub line: u64,
-    /// Character within the line, from 1.
-    pub column: u64,
-}
-
-impl fmt::Display for Place {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}:{}:{}", shown(&self.path), self.line, self.column)
-    }
-}
 
 /// Why a map cannot be read. Every message is one line: place, value, bound, what to do.
 #[derive(Debug, Error)]
@@ -45,12 +26,14 @@ pub enum RosMapError {
         problem: String,
     },
     /// The description is not YAML, or a value has the wrong form.
-    #[error("{place}: {problem}; write one `key: value` per line, as map_server does")]
+    #[error("{place}: {problem}; {remedy}")]
     Syntax {
         /// Where.
         place: Place,
         /// What the parser reports.
         problem: String,
+        /// What to do.
+        remedy: &'static str,
     },
     /// A key is not there.
     #[error("{}: the key `{key}` is missing; add {example}", shown(path))]
@@ -72,15 +55,12 @@ pub enum RosMapError {
         /// The value, as it stands in the file.
         value: String,
         /// What it must be.
-        bound: String,
+        bound: Box<str>,
         /// What to do.
-        remedy: &'static str,
+        remedy: Box<str>,
     },
     /// The image is neither where the description says nor beside it.
-    #[error(
-        "{place}: image = {value}: no such file, tried {}; put the image beside the YAML file or correct its name",
-        listed(tried)
-    )]
+    #[error("{place}: image = {value}: no such file, tried {}; {remedy}", listed(tried))]
     NoImage {
         /// Where it is named.
         place: Place,
@@ -88,6 +68,8 @@ pub enum RosMapError {
         value: String,
         /// Where it was looked for.
         tried: Vec<PathBuf>,
+        /// What to do.
+        remedy: &'static str,
     },
     /// The image is damaged or of a kind that is not read.
     #[error(
@@ -99,7 +81,7 @@ pub enum RosMapError {
         /// The image.
         path: PathBuf,
         /// Line and column, each from 1, in the text of a netpbm image.
-        at: Option<(u64, u64)>,
+        at: Option<(usize, usize)>,
         /// What the decoder reports.
         problem: String,
     },
@@ -127,7 +109,7 @@ impl RosMapError {
     }
 }
 
-fn within(at: &Option<(u64, u64)>) -> String {
+fn within(at: &Option<(usize, usize)>) -> String {
     at.map(|(line, column)| format!(":{line}:{column}")).unwrap_or_default()
 }
 

@@ -2,12 +2,11 @@
 
 use std::io::{self, Write};
 
-use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder as _};
 use thiserror::Error;
 
-use super::picture::Pixel;
-use super::{Coding, Mode, Thresholds};
+use super::coding::{Coding, Mode, Thresholds};
+use super::pixel::Pixel;
+use super::png;
 use crate::{GridSpec, Raster};
 
 /// Darkness, of 255, of the three shades of map_server.
@@ -100,17 +99,17 @@ impl Shades {
     /// # Errors
     /// Whatever the writer reports.
     pub fn png(&self, out: impl Write) -> io::Result<()> {
-        let encoder = PngEncoder::new(out);
-        let (bytes, kind): (Vec<u8>, _) = if self.transparent() == 0 {
-            (self.pixels.iter().map(|pixel| pixel.unwrap_or(self.behind)).collect(), ExtendedColorType::L8)
-        } else {
+        let transparent = self.transparent() > 0;
+        let bytes: Vec<u8> = if transparent {
             let rgba = |pixel: &Option<u8>| {
                 let grey = pixel.unwrap_or(self.behind);
                 [grey, grey, grey, if pixel.is_some() { 255 } else { 0 }]
             };
-            (self.pixels.iter().flat_map(rgba).collect(), ExtendedColorType::Rgba8)
+            self.pixels.iter().flat_map(rgba).collect()
+        } else {
+            self.pixels.iter().map(|pixel| pixel.unwrap_or(self.behind)).collect()
         };
-        encoder.write_image(&bytes, self.width, self.height, kind).map_err(io::Error::other)
+        png::write(out, self.width, self.height, transparent, &bytes)
     }
 
     fn transparent(&self) -> usize {
@@ -131,7 +130,7 @@ impl Palette {
         let Thresholds { occupied, free } = coding.thresholds;
         let shade = |dark: u8| if coding.negate { dark } else { 255 - dark };
         let read = |brightness: u8, mode| {
-            let pixel = Pixel { brightness: brightness.into(), white: 255, opacity: Pixel::OPAQUE };
+            let pixel = Pixel::grey(brightness.into(), 255);
             Coding { mode, ..*coding }.occupancy(pixel)
         };
         let choose = |what: &dyn Fn() -> String, mode, wanted: Option<f32>, shades: &[u8]| {

@@ -1,5 +1,8 @@
+use std::path::Path;
+
 use super::*;
 use crate::drive;
+use crate::load;
 
 /// The families that mappers are compared on. `closets`, too small for obstacles of twice the size, are for the gates alone.
 const SHIPPED: [&str; 4] = ["clutter", "corridors", "halls", "two-rooms"];

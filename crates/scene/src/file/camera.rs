@@ -2,15 +2,16 @@
 
 use sensor::{Camera, Clustering, Matcher, Mismatches, Stereo};
 
-use crate::{Robot, SceneError};
+use strict::{Error, Limit, Table};
+
+use crate::Robot;
 
 use super::limits::{
     COLUMNS, FIELD_OF_VIEW, FOCAL_BASELINE, INTERVAL, PROBABILITY, RADIUS, REACH, SEARCH, SIGMA, SPEED, STEP, TURN_RATE,
 };
-use super::table::{Limit, Table};
 
 /// `[camera]`: 140 columns over 80 degrees where the file is silent.
-pub(super) fn camera(root: &Table) -> Result<Camera, SceneError> {
+pub(super) fn camera(root: &Table) -> Result<Camera, Error> {
     let mut camera = Camera { columns: 140, field_of_view_rad: 80f64.to_radians() };
     let Some(table) = root.section("camera")? else { return Ok(camera) };
     table.only(&["columns", "field_of_view_deg"])?;
@@ -30,7 +31,7 @@ pub const CLUSTERING: [&str; 4] = ["persistence", "copies", "near_misses", "copy
 ///
 /// # Errors
 /// An unknown key, or a value outside its range.
-pub fn stereo(root: &Table) -> Result<Stereo, SceneError> {
+pub fn stereo(root: &Table) -> Result<Stereo, Error> {
     let mut stereo = Stereo::default();
     let Some(table) = root.section("sensor")? else { return Ok(stereo) };
     set(&table, optics(&mut stereo))?;
@@ -49,7 +50,7 @@ fn optics(stereo: &mut Stereo) -> [(&'static str, &'static Limit, &mut f64); 4] 
 }
 
 /// `[sensor]`: the paper's camera, an edge in 60 % of the columns, no quantisation.
-pub(super) fn matcher(root: &Table) -> Result<Matcher, SceneError> {
+pub(super) fn matcher(root: &Table) -> Result<Matcher, Error> {
     let mut matcher = Matcher::default();
     let Some(table) = root.section("sensor")? else { return Ok(matcher) };
     let mut clustering = Clustering::default();
@@ -82,7 +83,7 @@ pub(super) fn matcher(root: &Table) -> Result<Matcher, SceneError> {
 }
 
 /// Whether mismatches are clustered; refuses what is said of clusters where they are not.
-fn clustered(table: &Table) -> Result<bool, SceneError> {
+fn clustered(table: &Table) -> Result<bool, Error> {
     let kind = table.get("mismatches").map(|value| (value, value.get_ref().as_str()));
     match kind {
         Some((_, Some("clustered"))) => return Ok(true),
@@ -102,7 +103,7 @@ fn clustered(table: &Table) -> Result<bool, SceneError> {
 }
 
 /// Refuses shares of more than everything, and runs too short for the share of mismatches.
-fn possible(table: &Table, clustering: &Clustering, correct_match: f64) -> Result<(), SceneError> {
+fn possible(table: &Table, clustering: &Clustering, correct_match: f64) -> Result<(), Error> {
     const ROUNDING: f64 = 1e-9;
     // One of them is in the file: the defaults are possible.
     let given = |keys: [&'static str; 2]| keys.into_iter().find_map(|key| Some((key, table.get(key)?)));
@@ -125,7 +126,7 @@ fn possible(table: &Table, clustering: &Clustering, correct_match: f64) -> Resul
 }
 
 /// `[robot]`: 0.2 m, 0.5 m/s, 30 degrees per second, five scans per second.
-pub(super) fn robot(root: &Table) -> Result<Robot, SceneError> {
+pub(super) fn robot(root: &Table) -> Result<Robot, Error> {
     let (mut radius_m, mut speed_m_s, mut turn_rate_deg_s, mut scan_interval_s) = (0.2, 0.5, 30.0, 0.2);
     if let Some(table) = root.section("robot")? {
         let fields = [
@@ -140,13 +141,13 @@ pub(super) fn robot(root: &Table) -> Result<Robot, SceneError> {
 }
 
 /// Takes the numbers that the table gives, and refuses other keys.
-fn set<const N: usize>(table: &Table, fields: [(&str, &Limit, &mut f64); N]) -> Result<(), SceneError> {
+fn set<const N: usize>(table: &Table, fields: [(&str, &Limit, &mut f64); N]) -> Result<(), Error> {
     table.only(&fields.each_ref().map(|(key, ..)| *key))?;
     take(table, fields)
 }
 
 /// Takes the numbers that the table gives.
-fn take<const N: usize>(table: &Table, fields: [(&str, &Limit, &mut f64); N]) -> Result<(), SceneError> {
+fn take<const N: usize>(table: &Table, fields: [(&str, &Limit, &mut f64); N]) -> Result<(), Error> {
     for (key, limit, field) in fields {
         if let Some(value) = table.optional_number(key, limit)? {
             *field = value;

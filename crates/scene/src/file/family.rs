@@ -2,14 +2,12 @@
 
 use std::path::Path;
 
-use toml::de::DeTable;
-
-use crate::generate::{Kind, Plan};
-use crate::{Family, SceneError};
+use strict::{Error, Limit, Table, open};
 
 use super::limits::{CLEARANCE, COVERED, OBSTACLE, OPENING, SHARE, SIDE, SPREAD, THICKNESS};
-use super::table::{Limit, Table};
-use super::{DEFAULT_CELL_M, camera, grid_spec, open};
+use super::{camera, cells};
+use crate::generate::{Kind, Plan};
+use crate::{Family, SceneError};
 
 const KEYS: [&str; 7] = ["name", "description", "generate", "grid", "camera", "sensor", "robot"];
 
@@ -34,41 +32,57 @@ const COMMON: [&str; 10] = [
 
 /// Whether a text is a family file rather than a scene's.
 pub(crate) fn is_family(text: &str) -> bool {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    DeTable::parse(text).is_ok_and(|document| document.get_ref().get("generate").is_some())
+    open(text, "").is_ok_and(|(_, document)| document.get_ref().get("generate").is_some())
 }
 
-/// Checks a family file's text.
-pub(crate) fn parse_family(text: &str, path: &Path) -> Result<Family, SceneError> {
-    let file = path.display().to_string();
-    let (source, document) = open(text, &file)?;
-    let root = Table::new(&source, "the family", 0, document.get_ref());
+impl Family {
+    /// Reads and checks the family file at `path`.
+    ///
+    /// # Errors
+    /// A file that cannot be read, and the first problem with its content.
+    pub fn load(path: &Path) -> Result<Self, SceneError> {
+        Self::parse(&strict::read(path)?, path)
+    }
+
+    /// Checks the family that `text` describes; `path` is named in messages.
+    ///
+    /// # Errors
+    /// The first problem with the text.
+    pub fn parse(text: &str, path: &Path) -> Result<Self, SceneError> {
+        let file = path.display().to_string();
+        let (source, document) = open(text, &file)?;
+        checked(&Table::new(&source, "the family", 0, document.get_ref()), path)
+    }
+}
+
+/// Checks a family file's table.
+fn checked(root: &Table, path: &Path) -> Result<Family, SceneError> {
     root.only(&KEYS)?;
     let name = root.name("name")?;
     if let Some(value) = root.get("name").filter(|_| name.len() > LONGEST_NAME) {
         let bound = format!("at most {LONGEST_NAME} characters");
-        return Err(root.refuse("name", value, &bound, "the number of the layout is added to it"));
+        return Err(root.refuse("name", value, &bound, "the number of the layout is added to it").into());
     }
     let description = root.text("description")?.unwrap_or_default();
     let Some(table) = root.section("generate")? else {
-        return Err(root.missing("[generate]", "[generate] with kind = \"clutter\" and sizes"));
+        return Err(root.missing("[generate]", "[generate] with kind = \"clutter\" and sizes").into());
     };
     let plan = plan(&table)?;
-    grid_spec(&root, [[0.0; 2], plan.size_m.map(|[_, most]| most)], None, DEFAULT_CELL_M)?;
-    camera::camera(&root)?;
-    camera::matcher(&root)?;
-    let robot_radius_m = camera::robot(&root)?.radius_m;
+    cells::read(root, [[0.0; 2], plan.size_m.map(|[_, most]| most)], None, cells::DEFAULT_M)?;
+    camera::camera(root)?;
+    camera::matcher(root)?;
+    let robot_radius_m = camera::robot(root)?.radius_m;
     let mut carried = Vec::new();
     for section in CARRIED {
         if let Some(table) = root.section(section)? {
             carried.push((section, table.verbatim()));
         }
     }
-    let place = source.place(root.offset_of("generate"));
+    let place = root.place_of("generate");
     Ok(Family { name, description, plan, robot_radius_m, carried, path: path.to_owned(), place })
 }
 
-fn plan(table: &Table) -> Result<Plan, SceneError> {
+fn plan(table: &Table) -> Result<Plan, Error> {
     let kinds = "\"clutter\", \"corridor\", \"hall\" or \"two-rooms\"";
     let Some(kind) = table.get("kind") else { return Err(table.missing("kind", &format!("`kind = ...`, {kinds}"))) };
     let openings: &[&str] = match kind.get_ref().as_str() {
@@ -78,7 +92,7 @@ fn plan(table: &Table) -> Result<Plan, SceneError> {
         _ => return Err(table.refuse("kind", kind, kinds, "name the kind of place")),
     };
     table.only(&[&COMMON, openings].concat())?;
-    let or = |key, limit: &Limit, default| Ok::<_, SceneError>(table.optional_number(key, limit)?.unwrap_or(default));
+    let or = |key, limit: &Limit, default| Ok::<_, Error>(table.optional_number(key, limit)?.unwrap_or(default));
     let kind = match kind.get_ref().as_str() {
         Some("corridor") => {
             Kind::Corridor { passage_m: range(table, "passage", &OPENING)?, door_m: range(table, "door", &OPENING)? }
@@ -101,7 +115,7 @@ fn plan(table: &Table) -> Result<Plan, SceneError> {
 }
 
 /// Two numbers, the least first.
-fn range(table: &Table, key: &str, limit: &Limit) -> Result<[f64; 2], SceneError> {
+fn range(table: &Table, key: &str, limit: &Limit) -> Result<[f64; 2], Error> {
     let [least, most] = table.required_pair(key, limit)?;
     match table.get(key) {
         Some(value) if least > most => Err(table.refuse(key, value, limit.bound, limit.remedy)),

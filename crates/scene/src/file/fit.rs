@@ -1,28 +1,9 @@
-//! Whether things fit: the cells in memory, the robot at its waypoints.
+//! Whether the robot fits at its waypoints.
 
-use grid::GridSpec;
+use strict::Table;
 
 use crate::drive::CLEARANCE_M;
-use crate::{Obstacle, Problem, Robot, SceneError, Waypoint, memory};
-
-use super::table::Table;
-
-/// The cells that cover the bounds, if memory holds what is kept per cell.
-pub(super) fn grid([min, max]: [[f64; 2]; 2], cell_m: f64, element: &str) -> Result<GridSpec, Problem> {
-    let element = element.to_owned();
-    let spec = GridSpec::covering(min, max, cell_m).map_err(|source| Problem::Grid {
-        element: element.clone(),
-        cell_m,
-        source,
-    })?;
-    let cells = spec.cells();
-    let (bytes, available) = (cells as u64 * memory::BYTES_PER_CELL, memory::available());
-    if bytes > available {
-        let (columns, rows) = (spec.width, spec.height);
-        return Err(Problem::Memory { element, cell_m, columns, rows, cells, bytes, available });
-    }
-    Ok(spec)
-}
+use crate::{Obstacle, Problem, Robot, SceneError, Waypoint};
 
 /// Refuses waypoints at which the robot would touch an obstacle.
 pub(super) fn room_for_robot(
@@ -35,7 +16,7 @@ pub(super) fn room_for_robot(
     let section = root.section("waypoints")?;
     for Waypoint { name, at_m } in waypoints {
         let Some((obstacle, distance_m)) = nearest(obstacles, *at_m).filter(|(_, d)| *d < needed_m) else { continue };
-        let offset = section.as_ref().map_or(0, |table| table.offset_of(name));
+        let place = section.as_ref().map_or_else(|| root.place(), |table| table.place_of(name));
         let problem = Problem::NoRoom {
             name: name.clone(),
             at: *at_m,
@@ -44,7 +25,7 @@ pub(super) fn room_for_robot(
             needed_m,
             spare_m: CLEARANCE_M,
         };
-        return Err(root.source().error(offset, problem));
+        return Err(SceneError::at(place, problem));
     }
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! What the numbers of a scene file may be.
 
-use super::table::Limit;
+use strict::Limit;
 
 const fn limit(min: f64, max: f64, bound: &'static str, remedy: &'static str) -> Limit {
     Limit { min, max, bound, remedy }

@@ -5,10 +5,12 @@ use std::path::Path;
 use grid::Raster;
 use grid::ros_map::{self, RosMap};
 
-use crate::{Obstacle, Origin, Problem, SceneError, Shape};
+use strict::Table;
 
+use super::beside;
 use super::obstacles::texture;
-use super::table::{METRES, Table};
+use super::points::{METRES, point};
+use crate::{Obstacle, Origin, Problem, SceneError, Shape, Warning};
 
 /// A map and what the scene file says of it.
 pub(super) struct Map {
@@ -20,21 +22,30 @@ pub(super) struct Map {
 /// Reads the map that `[map]` names, from the folder of the scene file at `scene`.
 pub(super) fn read(root: &Table, scene: &Path) -> Result<Option<Map>, SceneError> {
     let Some(table) = root.section("map")? else { return Ok(None) };
-    table.only(&["file", "texture"])?;
+    table.only(&["file", "texture", "origin"])?;
     let texture = texture(&table)?;
-    let Some(value) = table.get("file") else { return Err(table.missing("file", "`file = \"maps/....yaml\"`")) };
+    let Some(value) = table.get("file") else { return Err(table.missing("file", "`file = \"maps/....yaml\"`").into()) };
     let refused = |bound: &str, remedy: &str| table.refuse("file", value, bound, remedy);
-    let name = table.file(value, "the name of a map's YAML file")?;
+    let name = beside::name(&table, value, "the name of a map's YAML file")?;
     let path = scene.parent().unwrap_or(Path::new("")).join(name);
-    let map = ros_map::read(&path).map_err(|error| root.source().error(value.span().start, Problem::Map(error)))?;
+    let map = ros_map::read(&path).map_err(|error| SceneError::at(table.place_of("file"), Problem::Map(error)))?;
+    let mut map = map;
+    if table.get("origin").is_some() {
+        map.spec.origin_m = point(&table, "origin")?;
+        map.occupancy = Raster::new(map.spec, map.occupancy.values().to_vec());
+    }
     if map.is_turned() {
         let bound = format!("a map whose origin has the angle 0, not {}", map.yaw_rad);
         let remedy = "`convert MAP.yaml STRAIGHT.yaml --origin X,Y,0` keeps its cells and lays its rows along x";
-        return Err(refused(&bound, remedy));
+        return Err(refused(&bound, remedy).into());
     }
-    let map = Map { map, texture, line: table.line() };
+    let map = Map { map, texture, line: table.place().line };
     if map.extent_m().iter().flatten().any(|v| v.abs() > METRES) {
-        return Err(refused("a map within 1000000 m of the origin", "correct its origin and resolution"));
+        return Err(refused(
+            "a map within 1000000 m of the origin",
+            "put it elsewhere with `origin = [0.0, 0.0]` in [map], or correct its origin and resolution",
+        )
+        .into());
     }
     Ok(Some(map))
 }
@@ -48,6 +59,11 @@ impl Map {
         let spec = &self.map.spec;
         let size = [spec.width, spec.height].map(|n| n as f64 * spec.cell_m);
         [spec.origin_m, [spec.origin_m[0] + size[0], spec.origin_m[1] + size[1]]]
+    }
+
+    /// What is suspicious about the map.
+    pub(super) fn warnings(&self) -> Vec<Warning> {
+        self.map.warnings.iter().cloned().map(Warning::Map).collect()
     }
 
     /// Whether the map knows what is in its cells.

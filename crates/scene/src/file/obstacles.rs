@@ -1,10 +1,12 @@
 //! `[[wall]]`, `[[box]]`, `[[disc]]` and `[[polygon]]`.
 
+use strict::{Error, Limit, Table};
+
+use super::bounds::within;
+use super::points::{LENGTH, METRES, point};
+use super::polygon;
 use crate::geometry::{distance, minus};
 use crate::{Obstacle, Origin, SceneError, Shape};
-
-use super::table::{Limit, METRES, Table};
-use super::{LENGTH, polygon, within};
 
 const SIZE: Limit = Limit {
     min: 1e-6,
@@ -37,31 +39,32 @@ pub(super) fn read(root: &Table, bounds: [[f64; 2]; 2]) -> Result<Vec<Obstacle>,
         for (k, table) in root.list(kind)?.iter().enumerate() {
             let shape = shape(table)?;
             let texture = texture(table)?;
-            within(shape.extent_m(), bounds, || table.element()).map_err(|p| table.error(p))?;
-            obstacles.push(Obstacle { shape, texture, origin: Origin { kind, number: k + 1, line: table.line() } });
+            within(shape.extent_m(), bounds, || table.element()).map_err(|p| SceneError::at(table.place(), p))?;
+            obstacles.push(Obstacle {
+                shape,
+                texture,
+                origin: Origin { kind, number: k + 1, line: table.place().line },
+            });
         }
     }
     Ok(obstacles)
 }
 
-pub(super) fn texture(table: &Table) -> Result<f64, SceneError> {
+pub(super) fn texture(table: &Table) -> Result<f64, Error> {
     Ok(table.optional_number("texture", &TEXTURE)?.unwrap_or(1.0))
 }
 
 /// A wall reaches half its thickness beyond its ends: walls that meet in a point close the corner.
 fn wall(table: &Table) -> Result<Shape, SceneError> {
     table.only(&["from", "to", "thickness", "texture"])?;
-    let (from, to) = (table.point("from")?, table.point("to")?);
+    let (from, to) = (point(table, "from")?, point(table, "to")?);
     let half = 0.5 * table.number("thickness", &LENGTH)?;
     let length = distance(from, to);
     if length < LENGTH.min {
         let value = table.get("to").ok_or_else(|| table.missing("to", "the wall's other end"))?;
-        return Err(table.refuse(
-            "to",
-            value,
-            "apart from `from`, by at least 0.000001 m",
-            "give the wall's other end",
-        ));
+        return Err(table
+            .refuse("to", value, "apart from `from`, by at least 0.000001 m", "give the wall's other end")
+            .into());
     }
     let center_m = [0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1])];
     Ok(Shape::Box { center_m, half_m: [0.5 * length + half, half], axis: minus(to, from).map(|v| v / length) })
@@ -69,7 +72,7 @@ fn wall(table: &Table) -> Result<Shape, SceneError> {
 
 fn rectangle(table: &Table) -> Result<Shape, SceneError> {
     table.only(&["center", "size", "rotation_deg", "texture"])?;
-    let center_m = table.point("center")?;
+    let center_m = point(table, "center")?;
     let half_m = table.required_pair("size", &SIZE)?.map(|s| 0.5 * s);
     let degrees = table.optional_number("rotation_deg", &ROTATION)?.unwrap_or(0.0);
     let (sin, cos) = libm::sincos(degrees.to_radians());
@@ -78,7 +81,7 @@ fn rectangle(table: &Table) -> Result<Shape, SceneError> {
 
 fn disc(table: &Table) -> Result<Shape, SceneError> {
     table.only(&["center", "radius", "texture"])?;
-    Ok(Shape::Disc { center_m: table.point("center")?, radius_m: table.number("radius", &LENGTH)? })
+    Ok(Shape::Disc { center_m: point(table, "center")?, radius_m: table.number("radius", &LENGTH)? })
 }
 
 fn outline(table: &Table) -> Result<Shape, SceneError> {

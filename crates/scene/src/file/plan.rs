@@ -1,15 +1,16 @@
 //! `[plan]`: a floor plan, as walls along its outline. What is outside is not known.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use grid::{GridSpec, Raster};
 
+use strict::{Limit, Table};
+
+use super::beside;
+use super::obstacles::texture;
 use crate::floor_plan::FloorPlan;
 use crate::geometry::{distance, sides};
-use crate::{Obstacle, Origin, Problem, SceneError, Shape};
-
-use super::obstacles::texture;
-use super::table::{Limit, Table};
+use crate::{Obstacle, Origin, Problem, SceneError, Shape, Warning};
 
 /// Thickness of the walls where the file says none, m.
 pub(crate) const THICKNESS_M: f64 = 0.02;
@@ -27,6 +28,7 @@ pub(super) struct Plan {
     thickness_m: f64,
     texture: f64,
     line: usize,
+    path: PathBuf,
 }
 
 /// Reads the floor plan that `[plan]` names, from the folder of the scene file at `scene`.
@@ -35,11 +37,13 @@ pub(super) fn read(root: &Table, scene: &Path) -> Result<Option<Plan>, SceneErro
     table.only(&["file", "thickness", "texture"])?;
     let texture = texture(&table)?;
     let thickness_m = table.optional_number("thickness", &THICKNESS)?.unwrap_or(THICKNESS_M);
-    let Some(value) = table.get("file") else { return Err(table.missing("file", "`file = \"plans/....json\"`")) };
-    let name = table.file(value, "the name of a floor plan's JSON file")?;
+    let Some(value) = table.get("file") else {
+        return Err(table.missing("file", "`file = \"plans/....json\"`").into());
+    };
+    let name = beside::name(&table, value, "the name of a floor plan's JSON file")?;
     let path = scene.parent().unwrap_or(Path::new("")).join(name);
-    let plan = FloorPlan::load(&path).map_err(|error| root.source().error(value.span().start, Problem::Plan(error)))?;
-    Ok(Some(Plan { plan, thickness_m, texture, line: table.line() }))
+    let plan = FloorPlan::load(&path).map_err(|error| SceneError::at(table.place_of("file"), Problem::Plan(error)))?;
+    Ok(Some(Plan { plan, thickness_m, texture, line: table.place().line, path }))
 }
 
 impl Plan {
@@ -49,6 +53,11 @@ impl Plan {
         [min.map(|v| v - 0.5 * self.thickness_m), max.map(|v| v + 0.5 * self.thickness_m)]
     }
 
+    /// What is suspicious about the plan.
+    pub(super) fn warnings(&self) -> Vec<Warning> {
+        self.plan.warning(&self.path).into_iter().collect()
+    }
+
     /// Whether the centre of each cell lies inside the outline.
     pub(super) fn known(&self, spec: &GridSpec) -> Raster<bool> {
         inside(&self.plan.outline_m, spec)
@@ -56,7 +65,7 @@ impl Plan {
 
     /// The walls whose middles lie within `bounds`.
     pub(super) fn obstacles(&self, bounds: [[f64; 2]; 2]) -> Vec<Obstacle> {
-        let walls = walls(&self.plan.outline_m, self.thickness_m).into_iter().enumerate();
+        let walls = walls(&self.plan, self.thickness_m).into_iter().enumerate();
         let within = |at: [f64; 2]| (0..2).all(|k| bounds[0][k] <= at[k] && at[k] <= bounds[1][k]);
         let walls = walls.filter(|(_, wall)| matches!(wall, Shape::Box { center_m, .. } if within(*center_m)));
         let obstacle = |(k, shape)| {
@@ -67,8 +76,8 @@ impl Plan {
     }
 }
 
-/// A wall along every side, half its thickness longer at both ends, so that neighbours overlap at their corner.
-pub(crate) fn walls(outline_m: &[[f64; 2]], thickness_m: f64) -> Vec<Shape> {
+/// A wall along every side and partition, half its thickness longer at both ends, so that neighbours overlap at their corner.
+pub(crate) fn walls(plan: &FloorPlan, thickness_m: f64) -> Vec<Shape> {
     let wall = |(a, b): ([f64; 2], [f64; 2])| {
         let length = distance(a, b);
         let half = 0.5 * thickness_m;
@@ -78,7 +87,7 @@ pub(crate) fn walls(outline_m: &[[f64; 2]], thickness_m: f64) -> Vec<Shape> {
             axis: [0, 1].map(|k| (b[k] - a[k]) / length),
         }
     };
-    sides(outline_m).map(wall).collect()
+    sides(&plan.outline_m).chain(plan.partitions_m.iter().map(|&[a, b]| (a, b))).map(wall).collect()
 }
 
 /// The cells whose centres lie inside an outline: row by row, between every other crossing of its sides.

@@ -1,9 +1,11 @@
 //! `points` of a polygon: a simple outline, turned counter-clockwise.
 
+use strict::Table;
+
 use crate::geometry::{crossing, distance, signed_area};
 use crate::{Problem, SceneError};
 
-use super::table::{POINT, Table};
+use super::points::POINT;
 
 /// Sides are checked pair by pair, and rays try every side.
 const MOST_POINTS: usize = 1000;
@@ -27,20 +29,22 @@ pub(super) fn points(table: &Table) -> Result<Vec<[f64; 2]>, SceneError> {
         let next = (k + 1) % points.len();
         if distance(points[k], points[next]) < SMALLEST_M {
             let bound = format!("apart from point {}, by at least 0.000001 m", next + 1);
-            return Err(table.refuse(&format!("point {}", k + 1), item, &bound, "list every corner once"));
+            return Err(table.refuse(&format!("point {}", k + 1), item, &bound, "list every corner once").into());
         }
     }
     if let Some((first, second)) = crossing(&points) {
         let at = items[second].span().start;
         let problem = Problem::Crossing { element: table.element(), first: first + 1, second: second + 1 };
-        return Err(table.source().error(at, problem));
+        return Err(SceneError::at(table.source().place(at), problem));
     }
     let area = signed_area(&points);
     if area < 0.0 {
         points.reverse();
     }
     if area.abs() < SMALLEST_M * SMALLEST_M {
-        return Err(table.refuse(KEY, value, "the corners of a polygon with an area", "the points lie on one line"));
+        return Err(table
+            .refuse(KEY, value, "the corners of a polygon with an area", "the points lie on one line")
+            .into());
     }
     Ok(points)
 }

@@ -1,34 +1,37 @@
 //! `[waypoints]`, `[route]` and `[[stage]]`.
 
-use grid::excerpt::{LONGEST_VALUE, excerpt};
+use strict::{LONGEST_VALUE, Table, Value, excerpt, hint};
 
+use super::bounds::within;
+use super::points::point;
 use crate::geometry::distance;
 use crate::{Problem, SceneError, StagePlan, Stop, Waypoint};
-
-use super::table::{POINT, Table, Value, hint};
-use super::within;
 
 /// Longest name of a waypoint, in characters: pictures and messages show it.
 const LONGEST_NAME: usize = 32;
 
+/// What lists of stops hold.
+const NAMES: &str = "waypoint names";
+
 /// The named points.
 pub(super) fn waypoints(root: &Table, bounds: [[f64; 2]; 2]) -> Result<Vec<Waypoint>, SceneError> {
     let example = "[waypoints] with lines such as A = [1.0, 2.0]";
-    let Some(table) = root.section("waypoints")? else { return Err(root.missing("[waypoints]", example)) };
+    let Some(table) = root.section("waypoints")? else { return Err(root.missing("[waypoints]", example).into()) };
     let mut waypoints = Vec::new();
     for (name, offset) in table.keys() {
         if name.is_empty() || name.chars().count() > LONGEST_NAME || name.chars().any(char::is_control) {
-            let problem = Problem::Value {
+            let problem = strict::Problem::Value {
                 element: "[waypoints]".to_owned(),
                 key: "name".to_owned(),
                 value: format!("\"{}\"", excerpt(name, LONGEST_VALUE)),
                 bound: format!("1 to {LONGEST_NAME} characters that can be printed"),
                 remedy: "name the waypoint with a letter or a word".to_owned(),
             };
-            return Err(root.source().error(offset, problem));
+            return Err(root.source().error(offset, problem).into());
         }
-        let at_m = table.required_pair(name, &POINT)?;
-        within([at_m, at_m], bounds, || format!("waypoint {name}")).map_err(|p| root.source().error(offset, p))?;
+        let at_m = point(&table, name)?;
+        within([at_m, at_m], bounds, || format!("waypoint {name}"))
+            .map_err(|p| SceneError::at(root.source().place(offset), p))?;
         waypoints.push(Waypoint { name: name.to_owned(), at_m });
     }
     Ok(waypoints)
@@ -38,10 +41,10 @@ pub(super) fn waypoints(root: &Table, bounds: [[f64; 2]; 2]) -> Result<Vec<Waypo
 pub(super) fn stops(root: &Table, waypoints: &[Waypoint]) -> Result<Vec<Stop>, SceneError> {
     let example = "[\"A\", \"B\"]";
     let Some(table) = root.section("route")? else {
-        return Err(root.missing("[route]", &format!("[route] with stops = {example}")));
+        return Err(root.missing("[route]", &format!("[route] with stops = {example}")).into());
     };
     table.only(&["stops"])?;
-    let names = table.strings("stops", example)?;
+    let names = table.strings("stops", NAMES, example)?;
     let mut stops: Vec<Stop> = Vec::new();
     for &(name, value) in &names {
         let waypoint = find(&table, waypoints, name, value)?;
@@ -49,14 +52,14 @@ pub(super) fn stops(root: &Table, waypoints: &[Waypoint]) -> Result<Vec<Stop>, S
             let [here, there] = [waypoint, last.waypoint].map(|w| waypoints[w].at_m);
             if distance(here, there) < SHORTEST_LEG_M {
                 let bound = format!("at least {SHORTEST_LEG_M} m from the stop before it");
-                return Err(table.refuse("stop", value, &bound, "leave it out or name another waypoint"));
+                return Err(table.refuse("stop", value, &bound, "leave it out or name another waypoint").into());
             }
         }
         stops.push(Stop { waypoint, place: root.source().place(value.span().start) });
     }
     match table.get("stops") {
         Some(value) if stops.len() < 2 => {
-            Err(table.refuse("stops", value, "at least two waypoints", &format!("write it like {example}")))
+            Err(table.refuse("stops", value, "at least two waypoints", &format!("write it like {example}")).into())
         }
         _ => Ok(stops),
     }
@@ -73,9 +76,9 @@ pub(super) fn stages(root: &Table, waypoints: &[Waypoint], stops: &[Stop]) -> Re
         table.only(&["name", "after", "label"])?;
         let name = table.name("name")?;
         if let Some(first) = stages.iter().position(|s| s.name == name) {
-            return Err(duplicate(table, name, tables[first].line()));
+            return Err(duplicate(table, name, tables[first].place().line));
         }
-        let after = table.strings("after", "[\"A\", \"B\"]")?;
+        let after = table.strings("after", NAMES, "[\"A\", \"B\"]")?;
         for &(stop, value) in &after {
             find(table, waypoints, stop, value)?;
         }
@@ -92,7 +95,9 @@ pub(super) fn stages(root: &Table, waypoints: &[Waypoint], stops: &[Stop]) -> Re
         };
         if let Some(bound) = bound {
             let value = table.get("after").ok_or_else(|| table.missing("after", "the stops"))?;
-            return Err(table.refuse("after", value, &bound, "a stage ends on arrival at the last stop it lists"));
+            return Err(table
+                .refuse("after", value, &bound, "a stage ends on arrival at the last stop it lists")
+                .into());
         }
         let label = table.text("label")?.unwrap_or_else(|| name.clone());
         stages.push(StagePlan { name, label, stops: after.len() });
@@ -105,7 +110,7 @@ pub(super) fn stages(root: &Table, waypoints: &[Waypoint], stops: &[Stop]) -> Re
 
 pub(super) fn duplicate(table: &Table, name: String, line: usize) -> SceneError {
     let problem = Problem::Duplicate { element: table.element(), name, line };
-    table.source().error(table.offset_of("name"), problem)
+    SceneError::at(table.place_of("name"), problem)
 }
 
 fn find(table: &Table, waypoints: &[Waypoint], name: &str, value: &Value) -> Result<usize, SceneError> {
@@ -117,7 +122,7 @@ fn find(table: &Table, waypoints: &[Waypoint], name: &str, value: &Value) -> Res
             hint: hint(name, &known),
             known: listed(&known),
         };
-        table.source().error(value.span().start, problem)
+        SceneError::at(table.source().place(value.span().start), problem)
     })
 }
 

@@ -122,7 +122,7 @@ fn what_is_no_scene_file_at_all() {
         ":1:1: byte 0x89 is no UTF-8; must be a TOML text of at most 16 MiB in UTF-8"
     );
     assert!(load(b"\0\0\0\0").starts_with(":1:5: no valid TOML: "));
-    assert!(load(&vec![b'#'; MAX_BYTES as usize + 1]).starts_with(":1:1: more than 16 MiB; "));
+    assert!(load(&vec![b'#'; (16 << 20) + 1]).starts_with(":1:1: more than 16 MiB; "));
     for deep in ["[".repeat(100_000), format!("x = {}", "[".repeat(100_000)), format!("x = {}", "{x=".repeat(50_000))] {
         assert!(load(deep.as_bytes()).contains(": no valid TOML: "));
     }

@@ -3,20 +3,26 @@
 use std::fmt::Write as _;
 use std::path::{Component, Path, PathBuf};
 
+use crate::file::edit::quoted;
 use crate::survey::{Survey, SurveyOptions};
 
 /// Width of the lines that list stops.
 const WIDTH: usize = 120;
 
+/// What a scene is made from, and what of it.
+pub(super) struct Origin<'a> {
+    pub(super) source: &'a Path,
+    /// The table that names it.
+    pub(super) table: &'a str,
+    /// Whether its lower-left corner lies at [0, 0] in the scene.
+    pub(super) moved: bool,
+    /// The part of it that the scene holds, m.
+    pub(super) bounds_m: Option<[[f64; 2]; 2]>,
+}
+
 /// The scene file.
-pub(super) fn written(
-    source: &Path,
-    scene: &Path,
-    table: &str,
-    bounds_m: Option<[[f64; 2]; 2]>,
-    survey: &Survey,
-    options: &SurveyOptions,
-) -> String {
+pub(super) fn written(origin: &Origin, scene: &Path, survey: &Survey, options: &SurveyOptions) -> String {
+    let &Origin { source, table, moved, bounds_m } = origin;
     let (names, waypoints) = named(&survey.stops_m);
     let file_name = source.file_name().unwrap_or_default().to_string_lossy();
     let printed: String = file_name.chars().filter(|c| !c.is_control()).collect();
@@ -57,6 +63,9 @@ pub(super) fn written(
     line(format_args!("# {unknown}"));
     line(format_args!("[{table}]"));
     line(format_args!("file = {}", quoted(&relative(source, scene))));
+    if moved {
+        line(format_args!("origin = [0.0, 0.0]  # its lower-left corner in this scene: its own is too far away"));
+    }
     if let Some([min, max]) = bounds_m {
         line(format_args!(""));
         line(format_args!("# The part of the map that the robot can reach, and its walls."));
@@ -163,10 +172,6 @@ fn list(names: &[String]) -> String {
     }
 }
 
-fn quoted(text: &str) -> String {
-    toml_edit::Value::from(text).to_string()
-}
-
 /// The name of the file as the name of a scene.
 fn scene_name(source: &Path) -> String {
     let stem = source.file_stem().unwrap_or_default().to_string_lossy();
@@ -254,6 +259,6 @@ mod tests {
     fn scenes_are_named_after_their_file() {
         assert_eq!(scene_name(Path::new("a/b c\u{e9}.d.yaml")), "b-c--d");
         assert_eq!(scene_name(Path::new(&"x".repeat(50))).len(), 32);
-        assert_eq!(quoted("a\"b\\c"), "'a\"b\\c'");
+        assert_eq!(quoted("a\"b\\c"), "\"a\\\"b\\\\c\"");
     }
 }

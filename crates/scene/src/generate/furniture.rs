@@ -3,8 +3,10 @@
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 
+use super::gap;
+use super::piece::Piece;
+use super::plan::{Kind, Plan, ROUND_M, between, rounded};
 use super::structure::Structure;
-use super::{Kind, Piece, Plan, between, gap, rounded};
 use crate::Shape;
 use crate::geometry::distance;
 
@@ -111,7 +113,7 @@ fn beside_wall(piece: Piece, structure: &Structure, rng: &mut ChaCha8Rng) -> Pie
             Piece::Disc { radius, .. } => 2.0 * radius,
             Piece::Wall { .. } => 0.0,
         };
-        let off = side * (0.5 * (thickness + depth) + APART_M + super::ROUND_M);
+        let off = side * (0.5 * (thickness + depth) + APART_M + ROUND_M);
         let at = [from[0] + along * axis[0] - off * axis[1], from[1] + along * axis[1] + off * axis[0]];
         return moved(piece, at, if axis[0].abs() > axis[1].abs() { 0.0 } else { 90.0 });
     }

@@ -3,8 +3,13 @@
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 
-use super::{Kind, Piece, Plan, SIDE_M, between, gap, rounded};
+use super::gap;
+use super::piece::Piece;
+use super::plan::{Kind, Plan, between, rounded};
 use crate::geometry::distance;
+
+/// Sides of rooms are multiples of this, m.
+const SIDE_M: f64 = 0.05;
 
 /// A leg is at least this long, m.
 const SHORTEST_LEG_M: f64 = 0.8;

@@ -4,7 +4,7 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::f64::consts::{PI, TAU};
 
-use super::SurveyOptions;
+use super::plan::{Progress, SurveyOptions, Watch};
 use super::route::stops_m;
 use super::sight::Sight;
 use super::space::Space;
@@ -35,12 +35,19 @@ struct Place {
 }
 
 /// The route with looks added at its stops, where they show enough that the camera would miss.
-pub(super) fn add(space: &Space, sight: &Sight, route: Vec<usize>, options: &SurveyOptions) -> Vec<usize> {
+pub(super) fn add(
+    space: &Space,
+    sight: &Sight,
+    route: Vec<usize>,
+    options: &SurveyOptions,
+    progress: Watch,
+) -> Vec<usize> {
     let spec = *space.spec();
     let least = WORTH * sight.range_m() * sight.range_m() / spec.cell_area_m2();
     let cells = |steps: &[Step]| steps.iter().map(|step| step.cell).collect::<Vec<_>>();
     let mut steps: Vec<Step> = route.into_iter().map(|cell| Step { cell, look: false }).collect();
-    for _ in 0..ROUNDS {
+    for round in 0..ROUNDS {
+        progress(Progress { step: "turning the camera", done: round, of: ROUNDS });
         let seen = sight.seen_on(&stops_m(&spec, &cells(&steps), None).0, options);
         let looks = choose(space, sight, &steps, seen, least, options.camera.field_of_view_rad);
         if looks.is_empty() {
@@ -71,7 +78,8 @@ fn choose(
         libm::atan2(y, x)
     };
     let places = stops.into_iter().filter_map(|cell| {
-        let unseen = sight.around(cell, &seen, &mut looker);
+        let mut unseen = sight.around(cell, &mut looker);
+        unseen.retain(|&cell| !seen[cell]);
         if (unseen.len() as f64) < least {
             return None;
         }

@@ -3,7 +3,7 @@
 use grid::{DigitalLine, GridSpec, Raster};
 use rayon::prelude::*;
 
-use super::SurveyOptions;
+use super::plan::SurveyOptions;
 use crate::drive::course;
 
 /// Looks over the grid. What is not free hides what is behind it.
@@ -48,14 +48,14 @@ impl<'a> Sight<'a> {
         Looker { line: DigitalLine::default(), looked: vec![0; self.cells.spec().cells()], looks: 0 }
     }
 
-    /// The cells of the floor seen all round from the centre of a cell, each once, without those that are `seen` already.
-    pub(super) fn around(&self, from: usize, seen: &[bool], looker: &mut Looker) -> Vec<usize> {
+    /// The cells of the floor seen all round from the centre of a cell, each once.
+    pub(super) fn around(&self, from: usize, looker: &mut Looker) -> Vec<usize> {
         let Looker { line, looked, looks } = looker;
         *looks += 1;
         let mut found = Vec::new();
         for &direction in &self.around {
             self.along(self.spec().centre(from), direction, line, |cell| {
-                if looked[cell] != *looks && !seen[cell] {
+                if looked[cell] != *looks {
                     looked[cell] = *looks;
                     found.push(cell);
                 }

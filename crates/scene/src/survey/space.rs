@@ -5,12 +5,17 @@ use grid::{GridSpec, Raster};
 /// Taken off the distance that legs keep, in cells, so that rounding refuses none that is just wide enough.
 const ROUNDING: f64 = 1e-6;
 
+/// Steps to neighbours, along the sides first.
+const AROUND: [[isize; 2]; 8] = [[1, 0], [0, 1], [-1, 0], [0, -1], [1, 1], [-1, 1], [-1, -1], [1, -1]];
+
 /// The largest connected set of cells at whose centres the robot clears everything that is not free.
 pub(crate) struct Space {
     spec: GridSpec,
     /// How many cells of a row that are not free lie before each column; `width + 1` numbers per row.
     before: Vec<u32>,
     drivable: Vec<bool>,
+    /// The steps of [`AROUND`] that the robot can make from each cell, a bit for each.
+    moves: Vec<u8>,
     /// What the robot's centre keeps from cells that are not free, in cells.
     needed: f64,
 }
@@ -31,7 +36,8 @@ impl Space {
             }));
         }
         let drivable = largest(&spec, &clear(&spec, &solid, needed));
-        Self { spec, before, drivable, needed }
+        let moves = moves(&spec, &drivable);
+        Self { spec, before, drivable, moves, needed }
     }
 
     pub(crate) fn spec(&self) -> &GridSpec {
@@ -70,16 +76,11 @@ impl Space {
     /// The neighbours that the robot can step to, with the cost in fifths of a cell. A step aslant needs both cells
     /// beside it: then whatever the disc clears at the ends it clears on the way.
     pub(crate) fn steps(&self, cell: usize) -> impl Iterator<Item = (usize, u32)> + '_ {
-        const AROUND: [[isize; 2]; 8] = [[1, 0], [0, 1], [-1, 0], [0, -1], [1, 1], [-1, 1], [-1, -1], [1, -1]];
-        let (column, row) = self.spec.column_row(cell);
-        AROUND.into_iter().filter_map(move |[dx, dy]| {
-            let (c, r) = (column.checked_add_signed(dx)?, row.checked_add_signed(dy)?);
-            if c >= self.spec.width || r >= self.spec.height {
-                return None;
-            }
-            let (to, straight) = (self.spec.index(c, r), dx == 0 || dy == 0);
-            let beside = || self.drivable[self.spec.index(c, row)] && self.drivable[self.spec.index(column, r)];
-            (self.drivable[to] && (straight || beside())).then_some((to, if straight { 5 } else { 7 }))
+        let moves = self.moves[cell];
+        let width = self.spec.width as isize;
+        AROUND.into_iter().enumerate().filter(move |(k, _)| moves >> k & 1 == 1).map(move |(_, [dx, dy])| {
+            let straight = dx == 0 || dy == 0;
+            (cell.wrapping_add_signed(dy * width + dx), if straight { 5 } else { 7 })
         })
     }
 
@@ -189,6 +190,22 @@ fn clear(spec: &GridSpec, solid: &[bool], needed: f64) -> Vec<bool> {
         }
     }
     clear
+}
+
+/// Which steps of [`AROUND`] lead from each cell to another one of the set; aslant only between two others.
+fn moves(spec: &GridSpec, set: &[bool]) -> Vec<u8> {
+    let held = |column: usize, row: usize, [dx, dy]: [isize; 2]| {
+        let (c, r) = (column.checked_add_signed(dx)?, row.checked_add_signed(dy)?);
+        (c < spec.width && r < spec.height && set[spec.index(c, r)]).then_some(())
+    };
+    let step = |cell: usize, [dx, dy]: [isize; 2]| {
+        let (column, row) = spec.column_row(cell);
+        held(column, row, [dx, dy])?;
+        held(column, row, [dx, 0])?;
+        held(column, row, [0, dy])
+    };
+    let bits = |cell| (0..AROUND.len()).filter(|&k| step(cell, AROUND[k]).is_some()).fold(0, |bits, k| bits | 1 << k);
+    (0..set.len()).map(|cell| if set[cell] { bits(cell) } else { 0 }).collect()
 }
 
 /// The largest set of cells that are joined by their sides; of equals the one with the lowest cell.

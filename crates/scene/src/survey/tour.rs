@@ -1,18 +1,24 @@
 //! The order of the viewpoints: nearest neighbour, then 2-opt.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use rayon::prelude::*;
 
 use super::distance;
+use super::plan::{Progress, Watch};
 use super::space::Space;
 
 /// Improvements end on their own; this many rounds are a bound, not a need.
 const MOST_ROUNDS: usize = 100;
 
 /// The viewpoints in the order of a short tour that does not come back; the first one stays first if it is `fixed`.
-pub(super) fn order(space: &Space, viewpoints: Vec<usize>, fixed: bool) -> Vec<usize> {
+pub(super) fn order(space: &Space, viewpoints: Vec<usize>, fixed: bool, progress: Watch) -> Vec<usize> {
+    let found = AtomicUsize::new(0);
     let ways: Vec<Vec<u32>> = viewpoints
         .par_iter()
         .map(|&from| {
+            let done = found.fetch_add(1, Ordering::Relaxed);
+            progress(Progress { step: "finding ways", done, of: viewpoints.len() });
             let costs = distance::all(space, from, None);
             viewpoints.iter().map(|&to| costs[to]).collect()
         })

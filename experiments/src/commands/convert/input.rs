@@ -16,7 +16,8 @@ pub(super) fn read(options: &ConvertOptions) -> Result<Map, Failure> {
         "yaml" | "yml" => of_ros(ros_map::read(path).map_err(ros)?, vec![path.to_owned()]),
         "npy" => of_npy(path, options)?,
         "pgm" | "png" => {
-            let coding = Coding { mode: options.read_as.into(), negate: false, thresholds: Thresholds::default() };
+            let mode = options.read_as.unwrap_or_default().into();
+            let coding = Coding { mode, negate: false, thresholds: Thresholds::default() };
             let map = ros_map::read_image(path, coding, 1.0, [0.0; 2]).map_err(ros)?;
             Map { place: None, ..of_ros(map, Vec::new()) }
         }
@@ -33,7 +34,7 @@ pub(super) fn read(options: &ConvertOptions) -> Result<Map, Failure> {
 fn of_ros(map: RosMap, mut sources: Vec<std::path::PathBuf>) -> Map {
     let place = Some((map.spec, map.yaw_rad));
     sources.push(map.image);
-    Map { occupancy: map.occupancy, place, thresholds: map.coding.thresholds, sources }
+    Map { occupancy: map.occupancy, place, thresholds: map.coding.thresholds, sources, warnings: map.warnings }
 }
 
 /// An array lies where the record of its run, in the same folder, has the grid.
@@ -64,7 +65,9 @@ fn of_npy(path: &Path, options: &ConvertOptions) -> Result<Map, Failure> {
         sources.push(record);
     }
     let spec = GridSpec { cell_m: 1.0, origin_m: [0.0; 2], width, height };
-    Ok(Map { occupancy: Raster::new(spec, array.occupancy), place, thresholds: Thresholds::default(), sources })
+    let cells = options.row_order.unwrap_or_default().apply(array.occupancy, width);
+    let occupancy = Raster::new(spec, cells);
+    Ok(Map { occupancy, place, thresholds: Thresholds::default(), sources, warnings: Vec::new() })
 }
 
 /// The grid of a record, if it has one.

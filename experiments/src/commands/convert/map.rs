@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use grid::ros_map::Thresholds;
+use grid::ros_map::{Thresholds, Warning};
 use grid::{GridSpec, Raster};
 
 /// A map on its way.
@@ -13,6 +13,8 @@ pub(super) struct Map {
     pub(super) thresholds: Thresholds,
     /// The files that it was read from.
     pub(super) sources: Vec<PathBuf>,
+    /// What is suspicious about it.
+    pub(super) warnings: Vec<Warning>,
 }
 
 /// Cells of which a state does not say all.

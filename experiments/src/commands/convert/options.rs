@@ -19,9 +19,12 @@ pub struct ConvertOptions {
     /// What the shades of a written image mean [default: trinary, with a second file in raw for a .yaml where that says more]
     #[arg(long, value_enum)]
     pub mode: Option<Shading>,
-    /// What the shades of an image read without YAML mean
-    #[arg(long, value_enum, default_value_t, value_name = "MODE")]
-    pub read_as: Shading,
+    /// What the shades of an image read without YAML mean [default: trinary]
+    #[arg(long, value_enum, value_name = "MODE")]
+    pub read_as: Option<Shading>,
+    /// Which row of the map an .npy file begins with: of IN if it is one, else of OUT
+    #[arg(long, value_enum, value_name = "ROW")]
+    pub row_order: Option<RowOrder>,
     /// A cell is occupied above this share [default: that of IN, or 0.65]
     #[arg(long, value_name = "P", allow_negative_numbers = true, value_parser = probability)]
     pub occupied_thresh: Option<f64>,
@@ -52,6 +55,26 @@ pub enum Shading {
     Scale,
     /// percent as brightness of 255
     Raw,
+}
+
+/// The row of the map that an array begins with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum RowOrder {
+    /// the top one, as in pictures
+    Top,
+    /// the lowest one, as y runs [default]
+    #[default]
+    Bottom,
+}
+
+impl RowOrder {
+    /// The cells of an array in the other order of rows, if need be.
+    pub(super) fn apply(self, cells: Vec<Option<f32>>, width: usize) -> Vec<Option<f32>> {
+        match self {
+            Self::Top => cells.chunks(width).rev().flatten().copied().collect(),
+            Self::Bottom => cells,
+        }
+    }
 }
 
 impl From<Shading> for Mode {

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use grid::npy;
 use grid::ros_map::{self, Coding, Mode, Shades};
+use grid::{Raster, npy};
 
 use super::{ConvertOptions, Map, extension, graded};
 use crate::failure::Failure;
@@ -39,7 +39,13 @@ pub(super) fn files(map: &Map, kind: Kind, options: &ConvertOptions, coding: &Co
     let out = options.output.as_path();
     let mut bytes = Vec::new();
     match kind {
-        Kind::Npy => npy::write_occupancy(&map.occupancy, &mut bytes).map_err(Failure::internal)?,
+        Kind::Npy => {
+            // The order of an array that is read was applied there.
+            let order = options.row_order.filter(|_| extension(&options.input) != "npy").unwrap_or_default();
+            let spec = *map.occupancy.spec();
+            let rows = Raster::new(spec, order.apply(map.occupancy.values().to_vec(), spec.width));
+            npy::write_occupancy(&rows, &mut bytes).map_err(Failure::internal)?
+        }
         Kind::Png => shades(map, coding, out)?.png(&mut bytes).map_err(Failure::internal)?,
         Kind::Map => {
             let mut files = pair(map, coding, out)?;

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use mapper::catalogue::Entry;
-use scene::reader::{Limit, Table, Value, open, read};
 use scene::{SceneError, Set};
 use score::{FEWEST_PAIRS, Region};
+use strict::{Error, Limit, Table, Value, open, read};
 
 use super::source::GateSource;
 use crate::worlds::condition::{AS_BELIEVED, Condition, DEPARTURES};
@@ -155,12 +155,12 @@ pub fn parse(text: &str, file: &str, known: &[Entry]) -> Result<Gates, SceneErro
     for table in root.list("gate")? {
         let gate = gate(&table, known, &mut gates.sites)?;
         if gates.gates.iter().any(|other| other.name == gate.name) {
-            return Err(refuse(&table, "name", "a name that no gate above has", "choose another"));
+            return Err(refuse(&table, "name", "a name that no gate above has", "choose another").into());
         }
         gates.gates.push(gate);
     }
     if gates.gates.is_empty() {
-        return Err(root.missing("[[gate]]", "[[gate]] with name, mapper, metric and a bound"));
+        return Err(root.missing("[[gate]]", "[[gate]] with name, mapper, metric and a bound").into());
     }
     Ok(gates)
 }
@@ -180,7 +180,7 @@ fn gate(table: &Table, known: &[Entry], sites: &mut BTreeMap<String, GateSource>
     let paired = matches!(demand, Demand::NotWorseThanBaselineBy(_) | Demand::BetterThan { .. });
     if paired && worlds.len() < FEWEST_PAIRS {
         let bound = format!("at least {FEWEST_PAIRS} worlds to pair, not {}", worlds.len());
-        return Err(refuse(table, "seeds", &bound, "raise seeds, or bound the mean with at_most or at_least"));
+        return Err(refuse(table, "seeds", &bound, "raise seeds, or bound the mean with at_most or at_least").into());
     }
     Ok(Gate { name, mapper: mapper.to_owned(), criterion, region: region.to_owned(), worlds, demand })
 }
@@ -199,7 +199,7 @@ fn worlds(table: &Table, sites: &mut BTreeMap<String, GateSource>) -> Result<(Ve
     let mut names = Vec::new();
     if table.get("scene").is_some() {
         if let Some(key) = ["families", "set"].into_iter().find(|key| table.get(key).is_some()) {
-            return Err(refuse(table, key, "left out beside `scene`", "a scene has neither layouts nor sets"));
+            return Err(refuse(table, key, "left out beside `scene`", "a scene has neither layouts nor sets").into());
         }
         let (text, value) = one_text(table, "scene")?;
         names.push(site(table, "scene", (text, Some(value)), sites, GateSource::scene)?);
@@ -207,7 +207,7 @@ fn worlds(table: &Table, sites: &mut BTreeMap<String, GateSource>) -> Result<(Ve
         for (family, value) in families(table)? {
             let name = site(table, "families", (&family, value), sites, GateSource::family)?;
             if names.contains(&name) {
-                return Err(refuse(table, "families", "different families", "name each once"));
+                return Err(refuse(table, "families", "different families", "name each once").into());
             }
             names.push(name);
         }
@@ -226,7 +226,7 @@ fn worlds(table: &Table, sites: &mut BTreeMap<String, GateSource>) -> Result<(Ve
 type Text<'a, 'b> = (&'b str, Option<&'a Value<'a>>);
 
 /// The families asked for with their places, or those that come with the program.
-fn families<'a>(table: &Table<'a>) -> Result<Vec<(String, Option<&'a Value<'a>>)>, SceneError> {
+fn families<'a>(table: &Table<'a>) -> Result<Vec<(String, Option<&'a Value<'a>>)>, Error> {
     let Some(value) = table.get("families") else {
         return Ok(FAMILIES.split(',').map(|path| (path.to_owned(), None)).collect());
     };
@@ -258,24 +258,26 @@ fn site(
         return Ok(site.name.clone());
     }
     let site = load(path).map_err(|error| match value {
-        Some(value) => table.refuse(
-            key,
-            value,
-            &format!("a file of its kind that can be read ({error})"),
-            "correct the name or the file",
-        ),
+        Some(value) => table
+            .refuse(
+                key,
+                value,
+                &format!("a file of its kind that can be read ({error})"),
+                "correct the name or the file",
+            )
+            .into(),
         None => error,
     })?;
     let name = site.name.clone();
     if let Some((other, value)) = sites.get(&name).zip(value) {
         let bound = format!("of another name than {}: both are called {name:?}", other.path.display());
-        return Err(table.refuse(key, value, &bound, "rename one, since baselines go by names"));
+        return Err(table.refuse(key, value, &bound, "rename one, since baselines go by names").into());
     }
     sites.insert(name.clone(), site);
     Ok(name)
 }
 
-fn demand(table: &Table, mappers: &[&str], mapper: &str, criterion: &Criterion) -> Result<Demand, SceneError> {
+fn demand(table: &Table, mappers: &[&str], mapper: &str, criterion: &Criterion) -> Result<Demand, Error> {
     let given: Vec<&str> = DEMANDS.into_iter().filter(|key| table.get(key).is_some()).collect();
     let all = DEMANDS.join(", ");
     let &[key] = given.as_slice() else {
@@ -308,14 +310,14 @@ fn demand(table: &Table, mappers: &[&str], mapper: &str, criterion: &Criterion) 
     })
 }
 
-fn one_text<'a>(table: &Table<'a>, key: &str) -> Result<(&'a str, &'a Value<'a>), SceneError> {
+fn one_text<'a>(table: &Table<'a>, key: &str) -> Result<(&'a str, &'a Value<'a>), Error> {
     let Some(value) = table.get(key) else { return Err(table.missing(key, &format!("`{key} = \"...\"`"))) };
     let refused = || table.refuse(key, value, "a text", "write it in quotes");
     value.get_ref().as_str().map(|text| (text, value)).ok_or_else(refused)
 }
 
 /// A text that is one of the known ones; the default if there is one and the key is not there.
-fn one_of<'t>(table: &Table, key: &str, known: &[&'t str], default: Option<&'t str>) -> Result<&'t str, SceneError> {
+fn one_of<'t>(table: &Table, key: &str, known: &[&'t str], default: Option<&'t str>) -> Result<&'t str, Error> {
     if let (None, Some(default)) = (table.get(key), default) {
         return Ok(default);
     }
@@ -324,7 +326,7 @@ fn one_of<'t>(table: &Table, key: &str, known: &[&'t str], default: Option<&'t s
 }
 
 /// A refusal of a key's value; of a key that is not there, it is missing.
-fn refuse(table: &Table, key: &str, bound: &str, remedy: &str) -> SceneError {
+fn refuse(table: &Table, key: &str, bound: &str, remedy: &str) -> Error {
     match table.get(key) {
         Some(value) => table.refuse(key, value, bound, remedy),
         None => table.missing(key, &format!("`{key} = ...`: must be {bound}; {remedy}")),

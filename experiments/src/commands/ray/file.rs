@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use scene::SceneError;
-use scene::reader::{Limit, Table, Value, number, open, read, stereo};
+use scene::reader::stereo;
+use strict::{Error, Limit, Table, Value, number, open, read};
 
 use super::viewing_ray::{MOST_CELLS, ViewingRay};
 
@@ -38,7 +38,7 @@ const CORRELATION: Limit = limit(
 ///
 /// # Errors
 /// The first problem, with line and column.
-pub fn load(path: &Path) -> Result<ViewingRay, SceneError> {
+pub fn load(path: &Path) -> Result<ViewingRay, Error> {
     parse(&read(path)?, &path.display().to_string())
 }
 
@@ -46,7 +46,7 @@ pub fn load(path: &Path) -> Result<ViewingRay, SceneError> {
 ///
 /// # Errors
 /// The first problem, with line and column.
-pub fn parse(text: &str, file: &str) -> Result<ViewingRay, SceneError> {
+pub fn parse(text: &str, file: &str) -> Result<ViewingRay, Error> {
     let (source, document) = open(text, file)?;
     let root = Table::new(&source, "the ray", 0, document.get_ref());
     root.only(&KEYS)?;
@@ -66,7 +66,7 @@ pub fn parse(text: &str, file: &str) -> Result<ViewingRay, SceneError> {
     Ok(ViewingRay { cell_size_m, observation_px, prior, correlation, onward, no_hit_likelihood, stereo })
 }
 
-fn cells(root: &Table) -> Result<usize, SceneError> {
+fn cells(root: &Table) -> Result<usize, Error> {
     let cells = root.number("cells", &CELLS)?;
     match root.get("cells").filter(|_| cells.fract() > 0.0) {
         Some(value) => Err(root.refuse("cells", value, CELLS.bound, CELLS.remedy)),
@@ -75,13 +75,7 @@ fn cells(root: &Table) -> Result<usize, SceneError> {
 }
 
 /// One number for all, which is given too, or a list of `count`.
-fn numbers(
-    root: &Table,
-    key: &str,
-    count: usize,
-    each: &str,
-    limit: &Limit,
-) -> Result<(Vec<f64>, Option<f64>), SceneError> {
+fn numbers(root: &Table, key: &str, count: usize, each: &str, limit: &Limit) -> Result<(Vec<f64>, Option<f64>), Error> {
     let missing = || root.missing(key, &format!("`{key} = ...`, {}", limit.bound));
     let value = root.get(key).ok_or_else(missing)?;
     let one = |value: &Value| {

@@ -6,8 +6,9 @@ use scene::{MadeScene, MakeError, SurveyOptions};
 
 use super::options::FromMapOptions;
 use crate::failure::Failure;
+use crate::jobs::progress::Steps;
 use crate::output::single::{self, Existing, Whole};
-use crate::output::table;
+use crate::output::{note, table, warn};
 
 /// Which of the two is read.
 #[derive(Debug, Clone, Copy)]
@@ -44,9 +45,17 @@ pub(super) fn run(options: &FromMapOptions, source: Drawing) -> Result<(), Failu
         Drawing::Map => scene::from_map,
         Drawing::Plan => scene::from_plan,
     };
-    let made = make(&options.file, &out, &survey)?;
+    let bar = Steps::new();
+    let made = make(&options.file, &out, &survey, &|progress| bar.show(progress.step, progress.done, progress.of));
+    bar.finish();
+    let made = made?;
+    warn(&made.warnings);
     match &options.out {
-        None => table::print(&made.text),
+        None => {
+            // The scene goes to stdout.
+            note(summary(&options.file, &made, options.range).trim_end());
+            table::print(&made.text)
+        }
         Some(path) => {
             let whole = Whole { path: path.clone(), bytes: made.text.clone().into_bytes() };
             single::put(&[whole], &[&options.file], Existing::forced(options.force))?;
@@ -67,12 +76,14 @@ fn refuse_sources(out: &Path, source: &Path) -> Result<(), Failure> {
 
 fn summary(path: &Path, made: &MadeScene, range_m: f64) -> String {
     let survey = &made.survey;
+    let [free, occupied, unknown] = made.cells;
     format!(
-        "{}: {} stops, {:.1} m{}, {} scans; sees {:.1} % of the floor from at most {range_m} m away\n",
+        "{}: {free} free, {occupied} occupied and {unknown} unknown cells\n{0}: {} stops, {:.1} m{}, {:.1} m of it with obstacles all round, {} scans; sees {:.1} % of the floor from at most {range_m} m away\n",
         path.display(),
         survey.stops_m.len(),
         survey.length_m,
         if survey.cut { ", cut at --max-length" } else { "" },
+        made.enclosure.inside_m,
         made.scans,
         100.0 * survey.seen,
     )

@@ -5,10 +5,10 @@ mod values;
 use std::path::{Path, PathBuf};
 
 use mapper::catalogue::MAPPERS;
-use scene::reader::{Limit, Table, Value as Node, open, read};
-use scene::{SceneError, Set};
+use scene::Set;
 use score::Region;
 use serde::Serialize;
+use strict::{Error, Limit, Table, Value as Node, open, read};
 
 use self::values::{keys, list, paired, settings, values};
 use super::parameters::{PARAMETERS, Parameter, Settings, Value};
@@ -66,7 +66,7 @@ pub const MOST_JOBS: u64 = 10_000_000;
 ///
 /// # Errors
 /// The first problem, with line and column.
-pub fn load(path: &Path) -> Result<Sweep, SceneError> {
+pub fn load(path: &Path) -> Result<Sweep, Error> {
     parse(&read(path)?, &path.display().to_string())
 }
 
@@ -74,7 +74,7 @@ pub fn load(path: &Path) -> Result<Sweep, SceneError> {
 ///
 /// # Errors
 /// The first problem, with line and column.
-pub fn parse(text: &str, file: &str) -> Result<Sweep, SceneError> {
+pub fn parse(text: &str, file: &str) -> Result<Sweep, Error> {
     let (source, document) = open(text, file)?;
     let root = Table::new(&source, "the sweep", 0, document.get_ref());
     root.only(&KEYS)?;
@@ -149,7 +149,7 @@ impl Sweep {
 }
 
 /// The files that are named: `scene`, `scenes`, or `families`.
-fn sites(root: &Table) -> Result<Vec<PathBuf>, SceneError> {
+fn sites(root: &Table) -> Result<Vec<PathBuf>, Error> {
     let given: Vec<&str> = ["scene", "scenes", "families"].into_iter().filter(|key| root.get(key).is_some()).collect();
     let &[key] = given.as_slice() else {
         return Err(match given.get(1).and_then(|key| Some((key, root.get(key)?))) {
@@ -179,7 +179,7 @@ fn sites(root: &Table) -> Result<Vec<PathBuf>, SceneError> {
 }
 
 /// A list of different words out of those known.
-fn words(table: &Table, key: &str, known: &[&str]) -> Result<Option<Vec<String>>, SceneError> {
+fn words(table: &Table, key: &str, known: &[&str]) -> Result<Option<Vec<String>>, Error> {
     let Some(node) = table.get(key) else { return Ok(None) };
     let mut words: Vec<String> = Vec::new();
     for item in list(table, key, node)? {
@@ -193,7 +193,7 @@ fn words(table: &Table, key: &str, known: &[&str]) -> Result<Option<Vec<String>>
 }
 
 /// First seed and number of seeds.
-fn seeds(root: &Table) -> Result<(u64, u64), SceneError> {
+fn seeds(root: &Table) -> Result<(u64, u64), Error> {
     let Some(table) = root.section("seeds")? else { return Ok((Set::FIRST_TEST, 1)) };
     table.only(&["first", "count"])?;
     Ok((
@@ -203,7 +203,7 @@ fn seeds(root: &Table) -> Result<(u64, u64), SceneError> {
 }
 
 /// Refuses a parameter that is given in two places, and two that say the same thing.
-fn once(root: &Table, sweep: &Sweep) -> Result<(), SceneError> {
+fn once(root: &Table, sweep: &Sweep) -> Result<(), Error> {
     let places = |key: &str| {
         let varied = sweep.axes.iter().filter(|axis| axis.keys.contains(&key)).count();
         varied + usize::from(sweep.set.contains_key(key))

@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use scene::reader::{CLUSTERING, Given, Limit, Override, limits};
+use scene::reader::{CLUSTERING, Given, Override, limits};
 use serde::{Deserialize, Serialize};
+use strict::Limit;
 
 /// A parameter.
 pub struct Parameter {

@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use scene::reader::{read, with};
+use scene::reader::with;
 use scene::{Family, Scene, SceneError, Variation};
 use serde::{Deserialize, Serialize};
+use strict::read;
 
 use super::parameters::{Settings, number_of, overrides};
 use crate::failure::Failure;

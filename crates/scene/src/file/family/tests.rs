@@ -14,7 +14,7 @@ covered = 0.08
 "#;
 
 fn refusal(text: &str) -> String {
-    let error = parse_family(text, Path::new("f.toml")).map(|_| ()).expect_err(text);
+    let error = Family::parse(text, Path::new("f.toml")).map(|_| ()).expect_err(text);
     let message = error.to_string();
     assert!(!message.contains('\n'), "one line: {message}");
     message
@@ -45,7 +45,7 @@ fn every_refusal_says_where_what_and_what_to_do() {
 
 #[test]
 fn the_smallest_family_has_the_documented_defaults() {
-    let plan = parse_family(SMALL, Path::new("f.toml")).expect("valid").plan;
+    let plan = Family::parse(SMALL, Path::new("f.toml")).expect("valid").plan;
     assert_eq!((plan.kind, plan.size_m), (Kind::Clutter, [[6.0, 8.0], [5.0, 7.0]]));
     assert_eq!((plan.spread, plan.discs, plan.along_walls), (0.5, 0.25, 0.3));
     assert_eq!((plan.clearance_m, plan.wall_m), (0.1, 0.1));

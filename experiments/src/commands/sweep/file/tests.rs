@@ -1,7 +1,7 @@
 use super::*;
 use crate::commands::sweep::parameters::ParameterKind;
 
-fn axes(text: &str) -> Result<Sweep, SceneError> {
+fn axes(text: &str) -> Result<Sweep, Error> {
     parse(&format!("scene = \"a.toml\"\nmappers = [\"prior\"]\n{text}"), "s.toml")
 }
 

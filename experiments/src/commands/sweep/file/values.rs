@@ -1,7 +1,6 @@
 //! Values of parameters: one, a list, a range, or lists that go together.
 
-use scene::SceneError;
-use scene::reader::{Limit, Table, Value as Node, number};
+use strict::{Error, Limit, Table, Value as Node, number};
 
 use super::Axis;
 use crate::commands::sweep::parameters::{PARAMETERS, Parameter, ParameterKind, Settings, Value};
@@ -19,14 +18,14 @@ pub(super) fn keys() -> Vec<&'static str> {
 }
 
 /// A list of at least one item.
-pub(super) fn list<'a>(table: &Table, key: &str, node: &'a Node<'a>) -> Result<&'a [Node<'a>], SceneError> {
+pub(super) fn list<'a>(table: &Table, key: &str, node: &'a Node<'a>) -> Result<&'a [Node<'a>], Error> {
     let items = node.get_ref().as_array().filter(|items| !items.is_empty());
     let items: Option<&[Node]> = items.map(|items| &**items);
     items.ok_or_else(|| table.refuse(key, node, "a list of at least one value", "write it like [a, b]"))
 }
 
 /// One value of each of some parameters.
-pub(super) fn settings(table: &Table) -> Result<Settings, SceneError> {
+pub(super) fn settings(table: &Table) -> Result<Settings, Error> {
     table.only(&keys())?;
     let mut settings = Settings::new();
     for parameter in &PARAMETERS {
@@ -38,7 +37,7 @@ pub(super) fn settings(table: &Table) -> Result<Settings, SceneError> {
 }
 
 /// Lists of one length that go together.
-pub(super) fn paired(table: &Table) -> Result<Option<Axis>, SceneError> {
+pub(super) fn paired(table: &Table) -> Result<Option<Axis>, Error> {
     table.only(&keys())?;
     let mut axis = Axis { keys: Vec::new(), steps: Vec::new() };
     for parameter in &PARAMETERS {
@@ -56,7 +55,7 @@ pub(super) fn paired(table: &Table) -> Result<Option<Axis>, SceneError> {
 }
 
 /// A list, a range, or one value of a parameter.
-pub(super) fn values(table: &Table, parameter: &'static Parameter, node: &Node) -> Result<Vec<Value>, SceneError> {
+pub(super) fn values(table: &Table, parameter: &'static Parameter, node: &Node) -> Result<Vec<Value>, Error> {
     let key = parameter.key;
     if node.get_ref().as_table().is_some() {
         return range(table, parameter, node);
@@ -73,7 +72,7 @@ pub(super) fn values(table: &Table, parameter: &'static Parameter, node: &Node) 
 }
 
 /// `{ from, to, steps }`, both ends included; with `log = true` in equal ratios.
-fn range(table: &Table, parameter: &'static Parameter, node: &Node) -> Result<Vec<Value>, SceneError> {
+fn range(table: &Table, parameter: &'static Parameter, node: &Node) -> Result<Vec<Value>, Error> {
     let key = parameter.key;
     let (ParameterKind::Number(limit) | ParameterKind::Both(limit), Some(range)) =
         (&parameter.kind, table.section(key)?)
@@ -102,7 +101,7 @@ fn range(table: &Table, parameter: &'static Parameter, node: &Node) -> Result<Ve
     Ok((0..steps).map(|k| Value::Number(at(k))).collect())
 }
 
-fn value(table: &Table, parameter: &'static Parameter, node: &Node) -> Result<Value, SceneError> {
+fn value(table: &Table, parameter: &'static Parameter, node: &Node) -> Result<Value, Error> {
     let key = parameter.key;
     let numeric = |limit: &Limit, whole: bool| {
         let fits = |v: &f64| limit.allows(*v) && (!whole || v.fract().abs() <= 0.0);

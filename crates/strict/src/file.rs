@@ -1,0 +1,83 @@
+//! From a path to a parsed document.
+
+use std::fs::File;
+use std::io::Read as _;
+use std::path::Path;
+
+use toml::Spanned;
+use toml::de::DeTable;
+
+use crate::excerpt::{LONGEST_REPORT, excerpt};
+use crate::place::Place;
+use crate::problem::{Error, Problem};
+use crate::source::Source;
+
+/// No file is longer; `/dev/zero` is.
+const MAX_BYTES: u64 = 16 << 20;
+
+/// Reads a file as text, at most 16 MiB of UTF-8.
+///
+/// # Errors
+/// A file that cannot be read, or that is no such text.
+pub fn read(path: &Path) -> Result<String, Error> {
+    let file = path.display().to_string();
+    let mut bytes = Vec::new();
+    let opened = File::open(path).and_then(|f| f.take(MAX_BYTES + 1).read_to_end(&mut bytes));
+    opened.map_err(|source| Error::Unreadable { file: file.clone(), source })?;
+    let not_text = |problem: String, line, column| Error::Invalid {
+        place: Place { file: file.clone(), line, column },
+        problem: Box::new(Problem::NotText(problem)),
+    };
+    if bytes.len() as u64 > MAX_BYTES {
+        return Err(not_text("more than 16 MiB".to_owned(), 1, 1));
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let good = error.utf8_error().valid_up_to();
+        let before = String::from_utf8_lossy(&error.as_bytes()[..good]).into_owned();
+        let place = Source::new(&file, &before).place(good);
+        not_text(format!("byte {:#04x} is no UTF-8", error.as_bytes()[good]), place.line, place.column)
+    })
+}
+
+/// Parses a file's text as TOML; a byte order mark before it is skipped.
+///
+/// # Errors
+/// The first thing that is no TOML.
+pub fn open<'a>(text: &'a str, file: &'a str) -> Result<(Source<'a>, Spanned<DeTable<'a>>), Error> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let source = Source::new(file, text);
+    let document = DeTable::parse(text).map_err(|error| {
+        let offset = error.span().map_or(0, |span| span.start);
+        let report = error.message().lines().collect::<Vec<_>>().join("; ");
+        source.error(offset, Problem::Syntax(excerpt(&report, LONGEST_REPORT)))
+    })?;
+    Ok((source, document))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_no_text_or_no_toml_is_refused_at_its_place() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("f.toml");
+        let refusal = |bytes: &[u8]| {
+            std::fs::write(&path, bytes).expect("written");
+            let text = read(&path);
+            let error =
+                text.and_then(|text| open(&text, &path.display().to_string()).map(|_| ())).expect_err("refused");
+            error.to_string().replace(&format!("{}:", path.display()), "")
+        };
+        assert_eq!(
+            refusal(b"a = 1\n\xc3\xa9 = \xff"),
+            "2:5: byte 0xff is no UTF-8; must be a TOML text of at most 16 MiB in UTF-8"
+        );
+        let long = refusal(&vec![b'#'; 16 << 20 | 1]);
+        assert_eq!(long, "1:1: more than 16 MiB; must be a TOML text of at most 16 MiB in UTF-8");
+        let cut = refusal("\u{feff}a = 1\nb =\n".as_bytes());
+        assert!(cut.starts_with("2:4: no valid TOML: ") && cut.lines().count() == 1, "{cut}");
+        let absent = read(&folder.path().join("absent.toml")).expect_err("no such file");
+        assert_eq!(absent.kind(), crate::ErrorKind::BadInput);
+    }
+}

@@ -1,0 +1,42 @@
+//! TOML files read strictly: every refusal has its file, line, column, bound and remedy.
+//!
+//! ```
+//! use strict::{Limit, Table, open};
+//! const WIDTH: Limit = Limit { min: 0.1, max: 10.0, bound: "a width in m, 0.1 to 10", remedy: "give a width such as 0.9" };
+//! let text = "[door]\nwidth = 90\n";
+//! let (source, document) = open(text, "house.toml")?;
+//! let root = Table::new(&source, "the house", 0, document.get_ref());
+//! root.only(&["door"])?;
+//! let door = root.section("door")?.ok_or_else(|| root.missing("[door]", "[door] with width"))?;
+//! let refusal = door.number("width", &WIDTH).expect_err("centimetres");
+//! assert_eq!(
+//!     refusal.to_string(),
+//!     "house.toml:2:9: [door]: width = 90: must be a width in m, 0.1 to 10; give a width such as 0.9"
+//! );
+//! # Ok::<(), strict::Error>(())
+//! ```
+//!
+//! - [`read`] takes a text of bounded length, [`open`] parses it.
+//! - [`Table`] gives values that are checked where they are taken; [`Table::only`] refuses keys that nothing reads.
+//! - [`nearest`] and [`hint`] find the known name that is most like a wrong one.
+//! - [`excerpt`](excerpt()) is what messages quote of a file: one line of bounded length.
+
+mod excerpt;
+mod file;
+mod likeness;
+mod limit;
+mod place;
+mod problem;
+mod source;
+mod table;
+mod value;
+
+pub use excerpt::{LONGEST_REPORT, LONGEST_VALUE, excerpt};
+pub use file::{open, read};
+pub use likeness::{hint, nearest};
+pub use limit::Limit;
+pub use place::Place;
+pub use problem::{Error, ErrorKind, Problem};
+pub use source::Source;
+pub use table::Table;
+pub use value::{Value, number};
