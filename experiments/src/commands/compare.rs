@@ -57,7 +57,7 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     let plan = Plan::new(options)?;
     let out = options.out.clone().unwrap_or_else(|| default_folder(&plan, options.quick));
     let reads: Vec<&Path> = options.families.iter().map(PathBuf::as_path).collect();
-    let mut staging = Staging::open(&out, &Purpose::new("compare", &reads, outputs::FILES))?;
+    let mut staging = Staging::open(&out, &Purpose::new("compare", &reads, outputs::names(&plan)))?;
     threads::limit(options.threads.count)?;
     let record = outputs::record(&plan);
     let worlds = map_worlds(&plan, &out, &configuration(&plan, &record)?)?;

@@ -46,7 +46,9 @@ pub fn page(folder: &Folder, record: &Value) -> Result<String, Failure> {
     let plan = plan(folder, made)?;
     folder.same_configuration(record, &outputs::record(&plan))?;
     let (viewer, worlds) = showcase::look(&plan)?;
-    holds(folder, "scores.csv", &tables::scores(&worlds).csv()?)?;
+    for mapper in plan.names() {
+        holds(folder, &outputs::scores_of(mapper), &tables::scores(&worlds, mapper).csv()?)?;
+    }
     let rows = Rows {
         means: table(folder, "summary.csv")?,
         differences: table(folder, "differences.csv")?,

@@ -69,9 +69,17 @@ pub fn rows(plan: &Plan, findings: &Findings) -> Result<Rows, Failure> {
     })
 }
 
-/// The files, beside the record.
-pub const FILES: [&str; 12] = [
-    "scores.csv",
+/// The file with the scores of a mapper: a change of one mapper rewrites one file.
+pub fn scores_of(mapper: &str) -> String {
+    format!("scores-{mapper}.csv")
+}
+
+/// Every file that may come of a plan, beside the record.
+pub fn names(plan: &Plan) -> Vec<String> {
+    FILES.into_iter().map(str::to_owned).chain(plan.names().into_iter().map(scores_of)).collect()
+}
+
+const FILES: [&str; 11] = [
     "summary.csv",
     "differences.csv",
     "reliability.csv",
@@ -100,7 +108,7 @@ pub fn write(
     let Findings { worlds, scopes, judgements, repeated, claims } = findings;
     let names = plan.names();
     let mut csv = |name: &str, table: Table| table.save(staging, name);
-    csv("scores.csv", tables::scores(worlds))?;
+    names.iter().try_for_each(|mapper| csv(&scores_of(mapper), tables::scores(worlds, mapper)))?;
     csv("summary.csv", tables::summary(worlds, scopes, &names))?;
     csv("differences.csv", tables::differences(judgements, REFERENCE))?;
     csv("reliability.csv", tables::reliability(worlds, scopes, &names))?;

@@ -9,11 +9,12 @@ use super::world::{ErrorSum, MapScores, WorldScores};
 use crate::output::table::{Table, optional, rounded};
 use crate::worlds::criteria::{CRITERIA, Criterion};
 
-/// Every metric of every world, mapper and region: a row each, a column per metric.
-pub fn scores(worlds: &[WorldScores]) -> Table {
+/// Every metric of a mapper in every world and region: a row each, a column per metric.
+pub fn scores(worlds: &[WorldScores], mapper: &str) -> Table {
     let mut rows = Vec::new();
     for WorldScores { job, maps } in worlds {
-        let regions = maps.iter().flat_map(|map| map.regions.iter().map(|scores| (&map.mapper, scores)));
+        let own = maps.iter().filter(|map| map.mapper == mapper);
+        let regions = own.flat_map(|map| map.regions.iter().map(|scores| (&map.mapper, scores)));
         rows.extend(regions.map(|(mapper, scores)| (&job.world, mapper, scores)));
     }
     let table = Table::of(
