@@ -195,11 +195,11 @@ fn what_is_suspicious_about_a_map_is_told_of() {
     let (_, err) = place.expect(0, &["m.yaml", "a.npy"]);
     assert_eq!(err, "", "all is well");
     place.put("nav2.yaml", YAML.replace("0.196", "0.25").as_bytes());
-    let (out, err) = place.expect(0, &["nav2.yaml", "a.npy"]);
+    let (out, err) = place.expect(0, &["nav2.yaml", "nav2.npy"]);
     assert!(err.starts_with("warning: nav2.yaml:6:14: free_thresh = 0.25: 3 of 6 pixels have the shade 205"), "{err}");
     assert!(out.contains("4 free, 2 occupied, 0 unknown"), "{out}");
     place.put("raw.yaml", format!("{YAML}mode: raw\n").as_bytes());
-    let (_, err) = place.expect(0, &["raw.yaml", "a.npy"]);
+    let (_, err) = place.expect(0, &["raw.yaml", "raw.npy"]);
     assert!(err.contains("raw.yaml:7:7: mode = raw: 4 of 6 pixels have shades from 101 to 254"), "{err}");
     place.refused(
         &["m.yaml", "b.npy", "--read-as", "raw"],

@@ -326,7 +326,7 @@ fn the_papers_rays_hold_what_it_claims_and_can_be_run_again_from_their_files() {
         let record: Value = serde_json::from_slice(&fs::read(folder.join("run.json")).expect("there")).expect("JSON");
         assert_eq!((&record["schema_version"], &record["command"]), (&1.into(), &"ray".into()));
         for file in record["files"].as_array().expect("files") {
-            assert!(folder.join(file.as_str().expect("name")).exists(), "{file}");
+            assert!(folder.join(file["name"].as_str().expect("name")).exists(), "{file}");
         }
         let (direct, _) = run(place.path(), 0, &["ray", case, "--out", "o", "--format", "json"]);
         let (again, _) = run(place.path(), 0, &["ray", "o/ray.toml", "--format", "json"]);

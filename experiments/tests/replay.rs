@@ -111,7 +111,8 @@ fn the_readings_of_a_camera_prefer_the_map_that_is_closest_to_the_truth() {
     let room = ["room", "--scene", scene, "--mappers", "prior", "--out", "room"];
     let mut command = Command::cargo_bin("experiments").expect("built");
     checked(0, &room, &command.current_dir(folder.path()).args(room).output().expect("starts"));
-    let arguments = ["room/scans.csv", "--mappers", "visibility,visibility-printed,conventional", "--out", "o", "--format", "csv"];
+    let arguments =
+        ["room/scans.csv", "--mappers", "visibility,visibility-printed,conventional", "--out", "o", "--format", "csv"];
     let (out, _) = checked(0, &arguments, &replay(folder.path(), &arguments));
     let found: Vec<f64> = rows(&out).into_iter().filter(|row| !row.0.ends_with("-chain")).map(|row| row.1).collect();
     let metrics = concat!(env!("CARGO_MANIFEST_DIR"), "/../results/room/metrics.csv");

@@ -302,7 +302,9 @@ impl<'a> Log<'a> {
     fn no_scan(&self) -> LogError {
         let reason = match &self.first_damage {
             Some(problem) => format!("; line {}: {}", problem.line, problem.reason),
-            None if self.report.lines == 0 => ": it is empty".to_owned(),
+            None if self.report.lines == 0 => {
+                ": it is empty; give a CARMEN log with FLASER, RLASER or ROBOTLASER1, or a table of scans".to_owned()
+            }
             None => {
                 let names: Vec<_> = self.report.skipped.keys().take(5).cloned().collect();
                 let only = if names.is_empty() { String::new() } else { format!(", only {}", names.join(", ")) };

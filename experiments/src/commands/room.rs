@@ -38,6 +38,7 @@ use crate::worlds::run::{Ground, Keep, Trial};
 pub fn run(options: &RoomOptions) -> Result<(), Failure> {
     let start = Instant::now();
     interruption::watch();
+    threads::limit(options.threads.count)?;
     let seeds = seeds(options)?;
     let RoomPlan { ground, mappers, setup, frames } = RoomPlan::of(options)?;
     let usual = || folder::for_scene(&Path::new("results").join(&ground.scene.name), &options.scene);
@@ -47,7 +48,6 @@ pub fn run(options: &RoomOptions) -> Result<(), Failure> {
     warn(scene::enclosure(&ground.scene, &ground.world, &ground.drive).warning(&options.scene).as_slice());
     let files = outputs::names(&ground, &mappers);
     let mut staging = Staging::open(&out, &Purpose::new("room", &[&options.scene], files))?;
-    threads::limit(options.threads.count)?;
     let trials = trials(&ground, &seeds, &mappers, &setup, &frames)?;
     let stages = ground.stages(&trials[0]);
     let claimed = ground.scene.regions.iter().filter(|region| region.claims);
