@@ -1,8 +1,10 @@
 //! `calibrate`: the parameters of a sensor's kernel that readings ask for, with what is not identified.
 
+mod advice;
 mod calibration;
 mod disparities;
 mod log;
+pub mod noise;
 mod options;
 mod outputs;
 pub mod search;

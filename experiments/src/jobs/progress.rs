@@ -55,6 +55,11 @@ impl Count {
         Self { bar: bar(measurements as u64, "{bar:32} {pos}/{len} measurements, {elapsed}") }
     }
 
+    /// A count of settings, of which nobody knows how many there will be.
+    pub fn settings() -> Self {
+        Self { bar: bar(0, "{spinner} {pos} settings tried, {elapsed}") }
+    }
+
     /// A bar over the scans of a log, with their rate.
     pub fn scans(scans: u64) -> Self {
         Self { bar: bar(scans, "{bar:32} {pos}/{len} scans, {per_sec:.0}, {eta} left") }

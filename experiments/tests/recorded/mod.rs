@@ -7,7 +7,8 @@ use experiments::worlds::run::Ground;
 use grid::{DigitalLine, Raster};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
-use sensor::Laser;
+use scene::TimedPose;
+use sensor::{Laser, Scan};
 
 /// Beams of a scan, one degree from each other.
 pub(crate) const BEAMS: usize = 181;
@@ -16,6 +17,39 @@ pub(crate) const BEAMS: usize = 181;
 pub(crate) fn room() -> Ground {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/room.toml");
     Ground::new(scene::load(&path, None, None).expect("valid"), 0.1).expect("drivable")
+}
+
+/// A layout of a family.
+#[allow(dead_code, reason = "tests take some of them")]
+pub(crate) fn layout(family: &str, layout: u64) -> Ground {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../scenes/{family}.toml"));
+    Ground::new(scene::load(&path, None, Some(layout)).expect("valid"), 0.1).expect("drivable")
+}
+
+/// Twenty rooms: the furnished one and layouts of the families.
+#[allow(dead_code, reason = "tests take some of them")]
+pub(crate) fn rooms() -> Vec<Ground> {
+    let families = ["clutter", "halls", "two-rooms", "corridors", "closets"];
+    let others = (1..20).map(|number| layout(families[number as usize % families.len()], number));
+    std::iter::once(room()).chain(others).collect()
+}
+
+/// So many scans, at most, of a laser on a drive, spread evenly over it.
+#[allow(dead_code, reason = "tests take some of them")]
+pub(crate) fn scans(ground: &Ground, laser: &Laser, seed: u64, count: usize) -> Vec<Scan> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let bearings_rad: Vec<f64> = (0..BEAMS).map(|beam| (beam as f64 - 90.0).to_radians()).collect();
+    let every = ground.drive.poses.len().div_ceil(count);
+    let scan = |timed: &TimedPose| {
+        let pose = timed.pose;
+        let mut read = |bearing: &f64| {
+            let hit = ground.world.cast(pose.position_m(), pose.direction(*bearing)).map(|hit| hit.range_m);
+            Some(laser.sample(hit, &mut rng))
+        };
+        let readings = bearings_rad.iter().map(&mut read).collect();
+        Scan { sensor: 0, time_s: timed.time_s, pose, bearings_rad: bearings_rad.clone(), readings }
+    };
+    ground.drive.poses.iter().step_by(every).map(scan).collect()
 }
 
 /// What a laser of up to 20 m records: a CARMEN log of every `every`-th pose, and the cells that a beam could see.

@@ -15,6 +15,13 @@ pub(super) struct Calibration {
     pub(super) picture: Option<Vec<u8>>,
     /// What is to be known besides.
     pub(super) notes: Vec<String>,
-    /// Options of other commands that use what was found.
-    pub(super) advice: String,
+    /// How to use what was found, where something is identified.
+    pub(super) advice: Option<Advice>,
+}
+
+/// A line to be pasted as it stands.
+pub(super) struct Advice {
+    /// Where it goes.
+    pub(super) to: &'static str,
+    pub(super) line: String,
 }

@@ -3,10 +3,10 @@
 use std::fs::File;
 use std::path::Path;
 
-use super::calibration::Calibration;
+use super::calibration::{Advice, Calibration};
 use super::options::CalibrateOptions;
 use super::outputs;
-use super::search::{self, Parameter, Scale};
+use super::search::{self, Fit, Found, Parameter, Scale};
 use crate::failure::Failure;
 use crate::figures;
 
@@ -144,7 +144,8 @@ pub(super) fn calibrate(table: &Table, options: &CalibrateOptions) -> Result<Cal
         let loss = |row: &&[Match]| (-row.iter().map(|m| libm::log(density(m))).sum::<f64>(), row.len() as u64);
         Some(rows.iter().map(loss).collect())
     };
-    let fit = search::fit(&parameters, losses).ok_or_else(|| Failure::internal("no setting could be tried"))?;
+    let fit = search::fit(&parameters, None, &losses, &|| ())
+        .ok_or_else(|| Failure::internal("no setting could be tried"))?;
     let [correct, sigma, offset] = [0, 1, 2].map(|k| fit.found[k].value);
     let errors: Vec<f64> = used.iter().map(|m| m.read_px - m.true_px).collect();
     let density = |error: f64| correct * gaussian(error - offset, sigma) + (1.0 - correct) / most;
@@ -172,10 +173,19 @@ pub(super) fn calibrate(table: &Table, options: &CalibrateOptions) -> Result<Cal
         readings: used.len() as u64,
         picture: Some(picture),
         notes,
-        advice: format!(
-            "[sensor] correct_match = {correct:.3}, disparity_sigma = {sigma:.3}, max_disparity = {most} in a scene file"
-        ),
+        advice: advice(&fit, most),
         fit,
+    })
+}
+
+/// The table of a scene file, on one line, of what is identified.
+fn advice(fit: &Fit, most: f64) -> Option<Advice> {
+    let known = |found: &&Found| found.unidentified.is_none() && found.parameter.name != "offset";
+    let key = |found: &Found| format!("{} = {}, ", found.parameter.name, outputs::short(found.value));
+    let keys: String = fit.found.iter().filter(known).map(key).collect();
+    (!keys.is_empty()).then(|| Advice {
+        to: "To use it, at the top of a scene file, in the place of its [sensor]:",
+        line: format!("sensor = {{ {keys}max_disparity = {most} }}"),
     })
 }
 

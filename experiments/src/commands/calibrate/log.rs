@@ -5,13 +5,17 @@ use std::sync::Arc;
 use grid::GridSpec;
 use logs::{Log, Sensor};
 use mapper::{Belief, FastVisibility, Model, Predictive, Prior};
+use rayon::prelude::*;
 use sensor::{Laser, Scan, SensorModel, Stereo};
 
+use super::advice;
 use super::calibration::Calibration;
+use super::noise::{self, Instrument, Noise};
 use super::options::CalibrateOptions;
 use super::outputs;
-use super::search::{self, Fit, Losses, Parameter, Scale};
+use super::search::{self, Fit, Found, Losses, Parameter, Scale};
 use crate::failure::Failure;
+use crate::jobs::progress::Count;
 use crate::worlds::reading;
 
 /// What lies around the outermost poses and usual readings, m.
@@ -19,6 +23,9 @@ const MARGIN_M: f64 = 0.5;
 
 /// Readings farther than this do not make the map larger, m.
 const REACH_M: f64 = 15.0;
+
+/// The search begins with one beam in so many.
+const ROUGH: u32 = 4;
 
 /// More cells than this take too long, and too much memory, for the hundreds of maps that a fit makes.
 const MOST_CELLS: usize = 20_000_000;
@@ -32,19 +39,32 @@ pub(super) fn calibrate(options: &CalibrateOptions) -> Result<Calibration, Failu
         Sensor::Laser { max_range_m, .. } => (laser(), format!("a laser up to {max_range_m} m")),
         Sensor::Stereo => (stereo(), "a stereo camera".to_owned()),
     };
-    let losses = |values: &[f64]| -> Losses {
-        let (model, prior) = setting(sensor, options, values)?;
-        Some(predicted(&scans, grid, model, prior))
+    let noise = noise::of(&scans, instrument(sensor, options), parameters[0].start);
+    let known = noise.as_ref().map(|noise| noise.sigma);
+    let sought = if known.is_some() { &parameters[1..] } else { &parameters[..] };
+    let rough: Vec<Scan> = scans.iter().map(|scan| thinned(scan, options.beams.div_ceil(ROUGH) as usize)).collect();
+    let losses = |scans: &[Scan], values: &[f64]| -> Losses {
+        let values: Vec<f64> = known.into_iter().chain(values.iter().copied()).collect();
+        let (model, prior) = setting(sensor, options, &values)?;
+        Some(predicted(scans, grid, model, prior))
     };
-    let fit = search::fit(&parameters, losses).ok_or_else(|| Failure::internal("no setting could be tried"))?;
+    let progress = Count::settings();
+    let fit = search::fit(sought, Some(&|values| losses(&rough, values)), &|values| losses(&scans, values), &|| {
+        progress.step()
+    });
+    progress.finish();
+    let mut fit = fit.ok_or_else(|| Failure::internal("no setting could be tried"))?;
+    if let Some(noise) = &noise {
+        fit.found.insert(0, found(&parameters[0], noise));
+    }
     let about = format!("{} scans of {kind} in {}, {} readings", scans.len(), outputs::name(&options.file), readings);
-    let advice = advice(sensor, &fit);
+    let advice = advice::replay(sensor, options, &fit);
     Ok(Calibration {
         about,
         measure: "probability of every second scan by the map that visibility makes of the others",
         readings,
         picture: None,
-        notes: notes(&fit, options.grid),
+        notes: notes(&fit, noise.as_ref(), options.grid),
         advice,
         fit,
     })
@@ -186,8 +206,8 @@ fn predicted(scans: &[Scan], grid: GridSpec, sensor: Arc<dyn SensorModel>, prior
     let mut map = FastVisibility::visibility(&setup);
     scans.iter().step_by(2).for_each(|scan| map.integrate_on(scan, 1));
     let pairs = map.pairs();
-    let mut predictive = Predictive::new(grid, &*sensor, prior.onset(grid.cell_m));
-    let mut loss = |scan: &Scan| {
+    let loss = |scan: &Scan| {
+        let mut predictive = Predictive::new(grid, &*sensor, prior.onset(grid.cell_m));
         let (mut sum, mut readings) = (0.0, 0);
         for ray in scan.rays() {
             if predictive.take(&ray) {
@@ -197,10 +217,10 @@ fn predicted(scans: &[Scan], grid: GridSpec, sensor: Arc<dyn SensorModel>, prior
         }
         (sum, readings)
     };
-    scans.iter().skip(1).step_by(2).map(&mut loss).collect()
+    scans.par_iter().skip(1).step_by(2).map(loss).collect()
 }
 
-fn notes(fit: &Fit, cell_m: f64) -> Vec<String> {
+fn notes(fit: &Fit, noise: Option<&Noise>, cell_m: f64) -> Vec<String> {
     let mut notes = Vec::new();
     let value = |name: &str| fit.found.iter().find(|found| found.parameter.name == name).map(|found| found.value);
     if let (Some(prior), Some(correlation)) = (value("prior"), value("correlation")) {
@@ -208,21 +228,33 @@ fn notes(fit: &Fit, cell_m: f64) -> Vec<String> {
         let length_m = -Prior::REFERENCE_M / ((1.0 - prior) * libm::log(correlation));
         notes.push(format!("the prior and the correlation are those of obstacles {length_m:.2} m long on average, as the sensor sees them"));
     }
-    if value("range_sigma").is_some_and(|sigma| sigma < 0.3 * cell_m) {
-        notes.push(format!("sigma is small beside cells of {cell_m} m: finer cells (--grid) would tell it better"));
+    match noise {
+        Some(noise) => notes.push(format!(
+            "{} is that of {} readings about straight pieces of surface, fitted to the other half of the scans; the rest is by maps with it",
+            fit.found[0].parameter.name, noise.readings
+        )),
+        None => notes.push(format!(
+            "too few readings lie on straight surfaces: {} is by maps, which know a surface to a cell of {cell_m} m, and is too small by up to a third of the square of a cell",
+            fit.found[0].parameter.name
+        )),
     }
     notes
 }
 
-fn advice(sensor: Sensor, fit: &Fit) -> String {
-    let option = |found: &search::Found| {
-        let name = found.parameter.name.replace('_', "-");
-        format!("--{name} {}", outputs::short(found.value))
-    };
-    let options: Vec<String> = fit.found.iter().map(option).collect();
-    let max = match sensor {
-        Sensor::Laser { max_range_m, .. } => format!(" --max-range {max_range_m}"),
-        Sensor::Stereo => String::new(),
-    };
-    format!("replay {}{max}", options.join(" "))
+/// What the noise about surfaces says of sigma.
+fn found(parameter: &Parameter, noise: &Noise) -> Found {
+    Found {
+        parameter: parameter.clone(),
+        value: noise.sigma,
+        interval: noise.interval,
+        unidentified: None,
+        profile: noise.profile.clone(),
+    }
+}
+
+fn instrument(sensor: Sensor, options: &CalibrateOptions) -> Instrument {
+    match sensor {
+        Sensor::Laser { .. } => Instrument::Laser,
+        Sensor::Stereo => Instrument::Stereo(Stereo { focal_baseline: options.focal_baseline, ..Stereo::default() }),
+    }
 }

@@ -54,8 +54,9 @@ Disparities with their truth have the columns disparity_px,true_disparity_px, an
 left_right_consistent (0 or 1), among others; with a column row, neighbours in the image are taken for alike. Fitted are the \
 probability of a correct match, and the sigma and the offset of a Gaussian, beside false matches that are uniform over 0 to the largest disparity.
 
-Of a log, the mapper `visibility` maps every second scan and predicts the others, and what is maximised is the likelihood of their \
-readings: sigma, hit (correct match), no echo, early returns, the prior, and the correlation of cells 5 cm apart. What the map \
-blurs is taken off sigma: of simulated readings it is found 4 to 9 % too small. \
+Of a log, sigma is that of readings about straight pieces of surface, which are fitted to the other half of the scans. The rest is by \
+maps: the mapper `visibility` maps every second scan and predicts the others, and what is maximised is the likelihood of their readings over hit \
+(correct match), no echo, early returns, the prior, and the correlation of cells 5 cm apart. Where too few readings lie on straight surfaces, \
+sigma is by maps too, is too small, and a note says so. \
 Intervals hold the values whose likelihood is not lower for sure (95 %), all else as found, by a bootstrap of blocks of neighbouring \
-scans or rows. A parameter that the readings do not pin down is named.";
+scans or rows. A parameter that the readings do not pin down is named, and is not advised. The last line can be pasted as it stands.";

@@ -113,10 +113,15 @@ pub(super) fn text(calibration: &Calibration) -> String {
     let why =
         |found: &Found| found.unidentified.map(|why| format!("{} is not identified: {why}.", found.parameter.name));
     let why: Vec<String> = fit.found.iter().filter_map(why).collect();
-    for paragraph in why.iter().chain([&loss]).chain(notes).chain([&format!("To use it: {advice}")]) {
+    for paragraph in
+        why.iter().chain([&loss]).chain(notes).map(String::as_str).chain(advice.as_ref().map(|advice| advice.to))
+    {
         for line in wrapped(paragraph, 80) {
             let _ = writeln!(text, "{line}");
         }
+    }
+    if let Some(advice) = advice {
+        let _ = writeln!(text, "{}", advice.line);
     }
     text
 }
