@@ -1,5 +1,6 @@
 //! `calibrate`: the parameters of a sensor's kernel that readings ask for, with what is not identified.
 
+mod agreement;
 mod calibration;
 mod disparities;
 mod log;

@@ -40,7 +40,7 @@ pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
     threads::limit(options.threads.count)?;
     let sensor = options.sensor(recording.scans()?.sensor())?;
     let survey = Survey::of(&recording, options.reach, &*sensor)?;
-    reading::tell(&recording.place(), &survey.report);
+    reading::tell_before_mapping(&recording.place(), &survey.report);
     if survey.kept == 0 {
         let left_out: Vec<String> =
             outputs::left_out(&survey.report).into_iter().map(|(what, count)| format!("{count} {what}")).collect();
@@ -71,7 +71,8 @@ pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
     let mapping = Instant::now();
     let maps = mapping::map(&recording, &survey, options.hold_out, &entries, &setup)?;
     let seconds = mapping.elapsed().as_secs_f64();
-    let predictions = Predictions::of(&recording, options.hold_out, &maps, &setup)?;
+    let predictions = Predictions::of(&recording, options.hold_out, &maps, &setup, options.spread(survey.sensor))?;
+    outputs::tell_agreement(&recording.place(), &survey, &predictions, &setup);
     let told = outputs::Told { options, survey: &survey, setup: &setup, maps: &maps, predictions: &predictions };
     outputs::write(&mut staging, &told)?;
     staging.publish()?;

@@ -400,7 +400,7 @@ fn without_scripts_pictures_and_tables_remain() {
 fn two_worlds(results: &Results, folder: &Path) -> PathBuf {
     let ground = results.ground();
     let moments = page::moments(&ground, page::FRAMES);
-    let setup = catalogue::Model::new(ground.scene.grid, std::sync::Arc::new(ground.scene.matcher.stereo));
+    let setup = mapper::Model::new(ground.scene.grid, std::sync::Arc::new(ground.scene.matcher.stereo));
     let entries: Vec<_> = ["visibility", "conventional"].iter().filter_map(|name| catalogue::find(name)).collect();
     let keep = Keep { timeline: false, frames: moments.clone() };
     let worlds = [1, 2].map(|seed| {

@@ -10,6 +10,7 @@ use sensor::{Laser, SensorModel, Stereo};
 use crate::failure::Failure;
 use crate::output::args::{FormatOption, PriorOptions, ThreadsOption, count, positive, probability};
 use crate::output::folder;
+use crate::worlds::agreement::Spread;
 use crate::worlds::reading::FanArgs;
 
 /// A sensor that mappers share.
@@ -170,6 +171,14 @@ impl ReplayOptions {
             folder::for_source(&base, &self.log, |record| record["configuration"]["log"].as_str().map(PathBuf::from))
         };
         self.out.clone().unwrap_or_else(usual)
+    }
+
+    /// How far readings of the sensor that took the log deviate.
+    pub(super) fn spread(&self, sensor: Sensor) -> Spread {
+        match sensor {
+            Sensor::Laser { .. } => Spread::Range(self.laser.range_sigma),
+            Sensor::Stereo => Spread::Disparity(self.stereo.disparity_sigma),
+        }
     }
 
     /// What the mappers know of the sensor that took the log.
