@@ -39,7 +39,9 @@ pub fn run(options: &RoomOptions) -> Result<(), Failure> {
     let start = Instant::now();
     interruption::watch();
     let seeds = seeds(options)?;
+    threads::limit(options.threads.count)?;
     let RoomPlan { ground, mappers, setup, frames } = RoomPlan::of(options)?;
+    plan::refuse_too_large(options, &ground, &mappers, &setup, frames.len())?;
     let usual = || folder::for_scene(&Path::new("results").join(&ground.scene.name), &options.scene);
     let out = options.out.clone().unwrap_or_else(usual);
     plan::claimable(&ground, options)?;
@@ -47,7 +49,6 @@ pub fn run(options: &RoomOptions) -> Result<(), Failure> {
     warn(scene::enclosure(&ground.scene, &ground.world, &ground.drive).warning(&options.scene).as_slice());
     let files = outputs::names(&ground, &mappers);
     let mut staging = Staging::open(&out, &Purpose::new("room", &[&options.scene], files))?;
-    threads::limit(options.threads.count)?;
     let trials = trials(&ground, &seeds, &mappers, &setup, &frames)?;
     let stages = ground.stages(&trials[0]);
     let claimed = ground.scene.regions.iter().filter(|region| region.claims);

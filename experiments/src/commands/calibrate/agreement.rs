@@ -3,9 +3,12 @@
 use std::sync::Arc;
 
 use grid::{DigitalLine, GridSpec, Raster};
+use mapper::catalogue::find;
 use mapper::{FastVisibility, Mapper as _, Model, Prior};
-use sensor::{Scan, SensorModel};
+use sensor::{Laser, Scan, SensorModel};
 
+use crate::failure::Failure;
+use crate::jobs::memory;
 use crate::output::note;
 use crate::worlds::agreement::{Agreement, Spread};
 
@@ -40,4 +43,15 @@ pub(super) fn tell(
         }
         None => {}
     }
+}
+
+/// Refuses more cells than memory holds with a map for every fit that runs at once.
+///
+/// # Errors
+/// Both numbers and the remedy.
+pub(super) fn refuse_too_large(place: &str, grid: GridSpec) -> Result<(), Failure> {
+    let setup = Model::new(grid, Arc::new(Laser::default()));
+    let mapper: Vec<_> = find("visibility").into_iter().collect();
+    let bytes = memory::of_mapping(&grid, &mapper, &setup, 1) * rayon::current_num_threads() as f64;
+    memory::refuse(place, &grid, bytes, "use larger cells (--grid) or fewer --threads")
 }

@@ -125,6 +125,7 @@ fn cover(scans: &[Scan], sensor: &dyn SensorModel, options: &CalibrateOptions) -
         let what = format!("the map has {} cells, more than {MOST_CELLS}; use larger cells (--grid)", grid.cells());
         return Err(Failure::BadInput(format!("{place}: {what}")));
     }
+    agreement::refuse_too_large(&place.to_string(), grid)?;
     Ok(grid)
 }
 

@@ -8,7 +8,7 @@ use logs::Sensor;
 use sensor::{Laser, SensorModel, Stereo};
 
 use crate::failure::Failure;
-use crate::output::args::{FormatOption, PriorOptions, ThreadsOption, count, positive, probability};
+use crate::output::args::{FormatOption, PriorOptions, ThreadsOption, count, positive, probability, trimmed};
 use crate::output::folder;
 use crate::worlds::agreement::Spread;
 use crate::worlds::reading::FanArgs;
@@ -36,7 +36,7 @@ pub struct ReplayOptions {
     #[arg(long, value_name = "S", default_value_t = 1.0, allow_negative_numbers = true, value_parser = positive)]
     pub max_gap: f64,
     /// Mappers, comma-separated (see `list`)
-    #[arg(long, value_name = "A,B", value_delimiter = ',', default_value = MAPPERS)]
+    #[arg(long, value_name = "A,B", value_delimiter = ',', value_parser = trimmed, default_value = MAPPERS)]
     pub mappers: Vec<String>,
     /// Keep every K-th scan back, for the maps to predict
     #[arg(long, value_name = "K", default_value_t = 10, allow_negative_numbers = true, value_parser = clap::value_parser!(u64).range(2..=1_000_000))]
