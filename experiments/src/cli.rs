@@ -22,6 +22,7 @@ use crate::commands::sweep::{self, SweepOptions};
 use crate::commands::tune::{self, TuneOptions};
 use crate::exit;
 use crate::failure::Failure;
+use crate::jobs::memory;
 use crate::output::args::SceneOptions;
 
 /// Tells good maps from bad ones: simulates a robot with a stereo camera, maps what it sees by
@@ -83,7 +84,8 @@ const PAGES: [(&str, report::Renewal); 2] = [("room", room::renewed_page), ("com
 
 /// Runs the command that the command line names.
 pub fn main() -> ExitCode {
-    exit::code(run(Cli::parse().command))
+    let command = Cli::parse().command;
+    exit::code(memory::guarded(|| run(command)))
 }
 
 fn run(command: Command) -> Result<(), Failure> {

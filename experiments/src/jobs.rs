@@ -2,6 +2,7 @@
 
 pub mod engine;
 pub mod interruption;
+pub mod memory;
 pub mod progress;
 pub mod seal;
 pub mod threads;

@@ -1,5 +1,6 @@
 //! What is mapped, and how the maps are judged.
 
+pub(crate) mod agreement;
 pub mod claims;
 pub mod condition;
 pub mod criteria;

@@ -267,3 +267,45 @@ fn where_beams_go_and_which_gaps_are_bridged_is_an_option() {
         assert!(err.contains(bad[0]), "{err}");
     }
 }
+
+#[test]
+fn scans_that_do_not_fit_together_are_warned_of_and_others_are_not() {
+    let (folder, log, _) = with_log(&room());
+    let edited = |name: &str, pose: &dyn Fn(f64, [f64; 3]) -> [f64; 3]| {
+        let line = |(number, line): (usize, &str)| {
+            let Some(scan) = line.strip_prefix("FLASER ") else { return format!("{line}\n") };
+            let mut fields: Vec<String> = scan.split(' ').map(str::to_owned).collect();
+            let at = 1 + BEAMS;
+            let read = [0, 1, 2].map(|k| fields[at + k].parse().expect("a number"));
+            let written = pose(number as f64, read).map(|value| format!("{value:.5}"));
+            (0..6).for_each(|k| fields[at + k].clone_from(&written[k % 3]));
+            format!("FLASER {}\n", fields.join(" "))
+        };
+        fs::write(folder.path().join(name), log.lines().enumerate().map(line).collect::<String>()).expect("writable");
+    };
+    edited("good.log", &|_, pose| pose);
+    edited("drift.log", &|k, [x, y, turn]| [x + 0.01 * k, y - 0.005 * k, turn + 0.01 * k]);
+    edited("degrees.log", &|_, [x, y, turn]| [x, y, turn.to_degrees()]);
+    let told = |arguments: &[&str]| {
+        let arguments = [arguments, &["--mappers", "visibility", "--grid", "0.1", "--out", "o"]].concat();
+        let (out, err) = checked(0, &arguments, &replay(folder.path(), &arguments));
+        let record = fs::read(folder.path().join("o/run.json")).expect("written");
+        let record: Value = serde_json::from_slice(&record).expect("JSON");
+        assert!(out.contains("readings kept back end near surfaces\nof the map of visibility"), "{out}");
+        (err, record["findings"].clone())
+    };
+    let odometry = "the pose equals the odometry in all";
+    let (err, findings) = told(&["good.log"]);
+    assert!(!err.contains("warning: ") && err.contains(&format!("note: good.log: {odometry}")), "{err}");
+    assert!(findings["agreement"]["near_surfaces"].as_f64().expect("a share") > 0.9, "{findings}");
+    assert_eq!(findings["agreement"]["fails"], false);
+    for arguments in [&["drift.log"][..], &["degrees.log"], &["good.log", "--fov", "90"]] {
+        let (err, findings) = told(arguments);
+        assert!(err.contains("near surfaces of the map of visibility; at least 70 % should"), "{arguments:?}: {err}");
+        assert!(
+            err.contains("raw odometry") && err.contains(&format!("warning: {}: {odometry}", arguments[0])),
+            "{err}"
+        );
+        assert_eq!(findings["agreement"]["fails"], true, "{findings}");
+    }
+}

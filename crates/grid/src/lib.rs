@@ -17,5 +17,5 @@ pub mod ros_map;
 mod spec;
 
 pub use line::DigitalLine;
-pub use raster::Raster;
+pub use raster::{NoMemory, Raster};
 pub use spec::{GridError, GridSpec};

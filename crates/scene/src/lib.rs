@@ -50,6 +50,7 @@ pub use family::{Family, Set, Variation};
 pub use floor_plan::{FloorPlan, FloorPlanError};
 pub use from_map::{MadeScene, MakeError, from_map, from_plan};
 pub use load::load;
+pub use memory::available as available_memory;
 pub use scene::{Area, Obstacle, Origin, Region, Robot, Scene, StagePlan, Stop, Waypoint};
 pub use shape::Shape;
 pub use simulate::{SimulatedScan, Simulation, Stage, simulate};

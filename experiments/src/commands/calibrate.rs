@@ -1,6 +1,7 @@
 //! `calibrate`: the parameters of a sensor's kernel that readings ask for, with what is not identified.
 
 mod advice;
+mod agreement;
 mod calibration;
 mod disparities;
 mod log;

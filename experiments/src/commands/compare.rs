@@ -39,7 +39,7 @@ use self::world::{WorldJob, WorldScores};
 use crate::failure::Failure;
 use crate::jobs::engine;
 use crate::jobs::interruption;
-use crate::jobs::progress::Count;
+use crate::jobs::progress::{Count, Doing};
 use crate::jobs::threads;
 use crate::output::args::Format;
 use crate::output::folder::{Purpose, Staging};
@@ -61,11 +61,15 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     threads::limit(options.threads.count)?;
     let record = outputs::record(&plan);
     let worlds = map_worlds(&plan, &out, &configuration(&plan, &record)?)?;
+    let doing = Doing::new("mapping repeated scans, and judging");
     let findings = judge(&plan, worlds)?;
+    doing.next("mapping the world that the page shows");
     let (viewer, _) = showcase::look(&plan)?;
+    doing.next("drawing figures and writing the page");
     let rows = outputs::rows(&plan, &findings)?;
     outputs::write(&mut staging, &plan, &findings, &rows, record, viewer)?;
     staging.publish()?;
+    drop(doing);
     Journal::clear(&out);
 
     let differences = tables::differences(&findings.judgements, REFERENCE);

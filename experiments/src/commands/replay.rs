@@ -21,12 +21,16 @@ use self::predictions::Predictions;
 use self::recording::Recording;
 use crate::failure::Failure;
 use crate::jobs::interruption;
+use crate::jobs::memory;
 use crate::jobs::threads;
 use crate::output::args::Format;
 use crate::output::folder::{Purpose, Staging};
 use crate::output::note;
 use crate::worlds::mappers::entries;
 use crate::worlds::reading;
+
+/// What makes the map of a log fit.
+const TOO_LARGE: &str = "use larger cells (--grid), a shorter --reach, a part of the log (--window) or fewer mappers";
 
 /// Maps a log and scores the maps by the scans that were kept back.
 ///
@@ -40,7 +44,7 @@ pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
     threads::limit(options.threads.count)?;
     let sensor = options.sensor(recording.scans()?.sensor())?;
     let survey = Survey::of(&recording, options.reach, &*sensor)?;
-    reading::tell(&recording.place(), &survey.report);
+    reading::tell_before_mapping(&recording.place(), &survey.report);
     if survey.kept == 0 {
         let left_out: Vec<String> =
             outputs::left_out(&survey.report).into_iter().map(|(what, count)| format!("{count} {what}")).collect();
@@ -63,6 +67,8 @@ pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
         reconciliation: options.prior.reconciliation(),
         ..Model::new(grid, sensor)
     };
+    let bytes = memory::of_mapping(&setup.grid, &entries, &setup, 1) + memory::besides(&setup.grid);
+    memory::refuse(&recording.place(), &setup.grid, bytes, TOO_LARGE)?;
     let out = options.out();
     let reads: Vec<&Path> =
         [Some(&options.log), options.trajectory.as_ref()].into_iter().flatten().map(PathBuf::as_path).collect();
@@ -71,7 +77,8 @@ pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
     let mapping = Instant::now();
     let maps = mapping::map(&recording, &survey, options.hold_out, &entries, &setup)?;
     let seconds = mapping.elapsed().as_secs_f64();
-    let predictions = Predictions::of(&recording, options.hold_out, &maps, &setup)?;
+    let predictions = Predictions::of(&recording, options.hold_out, &maps, &setup, options.spread(survey.sensor))?;
+    outputs::tell_agreement(&recording.place(), &survey, &predictions, &setup);
     let told = outputs::Told { options, survey: &survey, setup: &setup, maps: &maps, predictions: &predictions };
     outputs::write(&mut staging, &told)?;
     staging.publish()?;

@@ -11,6 +11,7 @@ use serde_json::Value;
 
 use crate::failure::Failure;
 use crate::jobs::interruption;
+use crate::jobs::progress::Doing;
 use crate::output::folder::{Purpose, Staging, recover};
 use crate::output::ledger::{Ledger, RECORD};
 use crate::output::note;
@@ -56,7 +57,9 @@ pub fn run(options: &ReportOptions, pages: &[(&str, Renewal)]) -> Result<(), Fai
         return Err(folder.refuse(RECORD, &format!("{why}; run the command again, into another folder")));
     }
     let place = Place::of(options, &record)?;
+    let doing = Doing::new("mapping the worlds that the page shows, and drawing it");
     let out = place.write(renewed(&folder, &record)?)?;
+    drop(doing);
     note(out.display());
     Ok(())
 }

@@ -106,6 +106,34 @@ impl Default for Steps {
     }
 }
 
+/// What is being done, where it has no parts to count. Silent where stderr is not a terminal; taken away at its end.
+pub struct Doing {
+    bar: ProgressBar,
+}
+
+impl Doing {
+    /// The first thing to do.
+    pub fn new(what: &'static str) -> Self {
+        let bar = ProgressBar::new_spinner();
+        let style = ProgressStyle::with_template("{spinner} {msg}, {elapsed}");
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
+        bar.enable_steady_tick(Duration::from_millis(200));
+        bar.set_message(what);
+        Self { bar }
+    }
+
+    /// The next thing to do.
+    pub fn next(&self, what: &'static str) {
+        self.bar.set_message(what);
+    }
+}
+
+impl Drop for Doing {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}
+
 /// Progress over the jobs of a sweep, with their rate and what is left. Silent where stderr is not a terminal.
 pub struct Jobs {
     bar: ProgressBar,

@@ -1,5 +1,8 @@
 //! Options that several commands share, and the bounds of their values.
 
+use std::convert::Infallible;
+use std::path::PathBuf;
+
 use clap::{Args, ValueEnum};
 use mapper::{CorrelationLaw, Prior, Reconciliation};
 
@@ -115,6 +118,16 @@ pub(crate) fn count(most: u32) -> clap::builder::RangedI64ValueParser<u32> {
 /// A number from 0 to 1.
 pub(crate) fn probability(text: &str) -> Result<f64, String> {
     number(text, "from 0 to 1", |v| (0.0..=1.0).contains(&v))
+}
+
+/// A name of a list, without the blanks about it.
+pub(crate) fn trimmed(text: &str) -> Result<String, Infallible> {
+    Ok(text.trim().to_owned())
+}
+
+/// A file of a list, without the blanks about its name.
+pub(crate) fn trimmed_path(text: &str) -> Result<PathBuf, Infallible> {
+    Ok(PathBuf::from(text.trim()))
 }
 
 /// A finite number above 0.

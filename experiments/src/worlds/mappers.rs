@@ -12,7 +12,7 @@ use crate::failure::Failure;
 pub fn entries(names: &[String]) -> Result<Vec<&'static Entry>, Failure> {
     let known = || catalogue::MAPPERS.iter().map(|entry| entry.name);
     let mut entries: Vec<&'static Entry> = Vec::new();
-    for name in names {
+    for name in names.iter().map(|name| name.trim()) {
         if name.is_empty() {
             let all = known().collect::<Vec<_>>().join(", ");
             return Err(Failure::BadInput(format!("--mappers: a name is empty; name one or more of: {all}")));
@@ -30,4 +30,17 @@ pub fn entries(names: &[String]) -> Result<Vec<&'static Entry>, Failure> {
         entries.push(entry);
     }
     Ok(entries)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blanks_about_names_do_not_count_and_empty_names_do() {
+        let named = |names: &[&str]| entries(&names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>());
+        let known = named(&["visibility", " conventional ", "\tprior"]).expect("known");
+        assert_eq!(known.iter().map(|entry| entry.name).collect::<Vec<_>>(), ["visibility", "conventional", "prior"]);
+        assert!(named(&["visibility", " visibility"]).is_err() && named(&["visibility", " "]).is_err());
+    }
 }

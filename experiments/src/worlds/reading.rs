@@ -1,7 +1,7 @@
 //! Options for reading a log, and what is to be known of one that was read.
 
 use clap::Args;
-use logs::{FanOptions, Report};
+use logs::{FanOptions, Finding, Report};
 
 use crate::output::args::number;
 use crate::output::note;
@@ -44,8 +44,26 @@ fn step(text: &str) -> Result<f64, String> {
 
 /// Prints what is to be known of a log on stderr: warnings and notes.
 pub(crate) fn tell(place: &str, report: &Report) {
-    for finding in report.findings() {
-        let kind = if finding.is_warning() { "warning" } else { "note" };
-        note(format_args!("{kind}: {place}: {finding}"));
-    }
+    report.findings().iter().for_each(|finding| say(place, finding, finding.is_warning()));
+}
+
+/// As [`tell`], but for what can only be judged by a map: poses of the odometry.
+pub(crate) fn tell_before_mapping(place: &str, report: &Report) {
+    let all = report.findings();
+    all.iter().filter(|finding| !waits(finding)).for_each(|finding| say(place, finding, finding.is_warning()));
+}
+
+/// Prints the rest: a warning where scans do not agree with the map, else a note.
+pub(crate) fn tell_after_mapping(place: &str, report: &Report, fails: bool) {
+    report.findings().iter().filter(|finding| waits(finding)).for_each(|finding| say(place, finding, fails));
+}
+
+/// Whether only a map can tell if a finding makes results doubtful.
+pub(crate) fn waits(finding: &Finding) -> bool {
+    matches!(finding, Finding::OdometryPoses { .. })
+}
+
+fn say(place: &str, finding: &Finding, warning: bool) {
+    let kind = if warning { "warning" } else { "note" };
+    note(format_args!("{kind}: {place}: {finding}"));
 }

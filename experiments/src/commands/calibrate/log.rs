@@ -8,14 +8,15 @@ use mapper::{Belief, FastVisibility, Model, Predictive, Prior};
 use rayon::prelude::*;
 use sensor::{Laser, Scan, SensorModel, Stereo};
 
-use super::advice;
 use super::calibration::Calibration;
 use super::noise::{self, Instrument, Noise};
 use super::options::CalibrateOptions;
 use super::outputs;
 use super::search::{self, Fit, Found, Losses, Parameter, Scale};
+use super::{advice, agreement};
 use crate::failure::Failure;
 use crate::jobs::progress::Count;
+use crate::worlds::agreement::Spread;
 use crate::worlds::reading;
 
 /// What lies around the outermost poses and usual readings, m.
@@ -48,6 +49,7 @@ pub(super) fn calibrate(options: &CalibrateOptions) -> Result<Calibration, Failu
         let (model, prior) = setting(sensor, options, &values)?;
         Some(predicted(scans, grid, model, prior))
     };
+    tell_agreement(&scans, grid, sensor, options);
     let progress = Count::settings();
     let fit = search::fit(sought, Some(&|values| losses(&rough, values)), &|values| losses(&scans, values), &|| {
         progress.step()
@@ -142,6 +144,7 @@ fn cover(scans: &[Scan], sensor: &dyn SensorModel, options: &CalibrateOptions) -
         let what = format!("the map has {} cells, more than {MOST_CELLS}; use larger cells (--grid)", grid.cells());
         return Err(Failure::BadInput(format!("{place}: {what}")));
     }
+    agreement::refuse_too_large(&place.to_string(), grid)?;
     Ok(grid)
 }
 
@@ -198,6 +201,22 @@ fn setting(sensor: Sensor, options: &CalibrateOptions, values: &[f64]) -> Option
             Some((Arc::new(stereo), prior(2)))
         }
     }
+}
+
+/// Says how far the scans agree with a map of each other, by the usual kernel: a fitted one would excuse what is wrong.
+fn tell_agreement(scans: &[Scan], grid: GridSpec, sensor: Sensor, options: &CalibrateOptions) {
+    let model: Arc<dyn SensorModel> = match sensor {
+        Sensor::Laser { max_range_m, .. } => Arc::new(Laser { max_range_m, ..Laser::default() }),
+        Sensor::Stereo => {
+            let max_disparity = options.max_disparity.unwrap_or(Stereo::default().max_disparity);
+            Arc::new(Stereo { focal_baseline: options.focal_baseline, max_disparity, ..Stereo::default() })
+        }
+    };
+    let spread = match sensor {
+        Sensor::Laser { .. } => Spread::Range(Laser::default().range_sigma_m),
+        Sensor::Stereo => Spread::Disparity(Stereo::default().disparity_sigma),
+    };
+    agreement::tell(&options.file.display().to_string(), scans, grid, model, Prior::default(), spread);
 }
 
 /// `-ln P` of every second scan by the map of the others, and its number of readings.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use crate::output::args::{Format, PriorOptions, ThreadsOption, count};
+use crate::output::args::{Format, PriorOptions, ThreadsOption, count, trimmed, trimmed_path};
 use crate::worlds::scenes::FAMILIES;
 
 /// Options of `compare`.
@@ -18,6 +18,7 @@ pub struct CompareOptions {
         long,
         value_name = "FILE,FILE",
         value_delimiter = ',',
+        value_parser = trimmed_path,
         default_value = FAMILIES
     )]
     pub families: Vec<PathBuf>,
@@ -28,7 +29,7 @@ pub struct CompareOptions {
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(0..=10_000))]
     pub batch_seeds: Option<u32>,
     /// Mappers, comma-separated; visibility, which all are compared with, must be among them [default: all, see `list`]
-    #[arg(long, value_name = "A,B", value_delimiter = ',')]
+    #[arg(long, value_name = "A,B", value_delimiter = ',', value_parser = trimmed)]
     pub mappers: Vec<String>,
     /// A first impression within a minute: fewer worlds, one of each family for batch mappers, fewer repeats
     #[arg(long)]

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Parser;
 
-use crate::output::args::{FormatOption, ThreadsOption};
+use crate::output::args::{FormatOption, ThreadsOption, trimmed};
 
 /// Checks maps against bounds and baselines, for the build to fail when they get worse
 #[derive(Debug, Clone, Parser)]
@@ -20,7 +20,7 @@ pub struct GateOptions {
     #[arg(long, value_name = "FILE")]
     pub baseline: Option<PathBuf>,
     /// Only the gates of these names, comma-separated
-    #[arg(long, value_name = "NAME,NAME", value_delimiter = ',')]
+    #[arg(long, value_name = "NAME,NAME", value_delimiter = ',', value_parser = trimmed)]
     pub only: Vec<String>,
     /// Take what is measured now as the baseline, and show what changes; with --only, for those gates alone
     #[arg(long, conflicts_with_all = ["junit", "summary", "stream"])]

@@ -8,8 +8,9 @@ use logs::Sensor;
 use sensor::{Laser, SensorModel, Stereo};
 
 use crate::failure::Failure;
-use crate::output::args::{FormatOption, PriorOptions, ThreadsOption, count, positive, probability};
+use crate::output::args::{FormatOption, PriorOptions, ThreadsOption, count, positive, probability, trimmed};
 use crate::output::folder;
+use crate::worlds::agreement::Spread;
 use crate::worlds::reading::FanArgs;
 
 /// A sensor that mappers share.
@@ -35,7 +36,7 @@ pub struct ReplayOptions {
     #[arg(long, value_name = "S", default_value_t = 1.0, allow_negative_numbers = true, value_parser = positive)]
     pub max_gap: f64,
     /// Mappers, comma-separated (see `list`)
-    #[arg(long, value_name = "A,B", value_delimiter = ',', default_value = MAPPERS)]
+    #[arg(long, value_name = "A,B", value_delimiter = ',', value_parser = trimmed, default_value = MAPPERS)]
     pub mappers: Vec<String>,
     /// Keep every K-th scan back, for the maps to predict
     #[arg(long, value_name = "K", default_value_t = 10, allow_negative_numbers = true, value_parser = clap::value_parser!(u64).range(2..=1_000_000))]
@@ -170,6 +171,14 @@ impl ReplayOptions {
             folder::for_source(&base, &self.log, |record| record["configuration"]["log"].as_str().map(PathBuf::from))
         };
         self.out.clone().unwrap_or_else(usual)
+    }
+
+    /// How far readings of the sensor that took the log deviate.
+    pub(super) fn spread(&self, sensor: Sensor) -> Spread {
+        match sensor {
+            Sensor::Laser { .. } => Spread::Range(self.laser.range_sigma),
+            Sensor::Stereo => Spread::Disparity(self.stereo.disparity_sigma),
+        }
     }
 
     /// What the mappers know of the sensor that took the log.

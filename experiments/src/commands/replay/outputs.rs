@@ -22,6 +22,7 @@ use crate::output::ledger::RECORD;
 use crate::output::record::Record;
 use crate::output::table::{self, Table};
 use crate::page::{self, Page, Part, Picture, Section, Sheet};
+use crate::worlds::reading;
 
 /// All that there is to tell.
 pub(super) struct Told<'a> {
@@ -76,7 +77,7 @@ pub(super) fn write(staging: &mut Staging, told: &Told) -> Result<(), Failure> {
     };
     let html = page::page(&page)?;
     staging.write("report.html", |out| out.write_all(html.as_bytes()))?;
-    let findings = findings(&told.survey.report);
+    let findings = findings(told);
     let parts = json!({ "configuration": configuration, "grid": told.setup.grid, "findings": findings });
     staging.record(&Record::new("replay", parts))
 }
@@ -177,18 +178,40 @@ fn configuration(told: &Told) -> Value {
 }
 
 /// What is to be known of the log, and the largest steps in it.
-fn findings(report: &Report) -> Value {
+fn findings(told: &Told) -> Value {
+    let report = &told.survey.report;
+    let fails = fails(told.predictions, told.setup);
     let step = |step: Option<logs::Step>| {
         step.map(
             |step| json!({"line": step.line, "move_m": step.move_m, "turn_rad": step.turn_rad, "time_s": step.time_s}),
         )
     };
-    let said = |finding: logs::Finding| json!({"warning": finding.is_warning(), "text": finding.to_string()});
+    let said = |finding: logs::Finding| json!({"warning": finding.is_warning() || (fails && reading::waits(&finding)), "text": finding.to_string()});
     json!({
         "said": report.findings().into_iter().map(said).collect::<Vec<_>>(),
         "longest_move": step(report.motion.longest),
         "sharpest_turn": step(report.motion.sharpest),
+        "agreement": told.predictions.agreement.as_ref().map(|judged| judged.agreement.record(judged.mapper, correct(told.setup))),
     })
+}
+
+/// Whether the readings kept back end away from the surfaces of the map.
+fn fails(predictions: &Predictions, setup: &Model) -> bool {
+    predictions.agreement.as_ref().is_some_and(|judged| judged.agreement.fails(correct(setup)))
+}
+
+/// The probability that a reading comes from what a map holds.
+fn correct(setup: &Model) -> f64 {
+    setup.sensors.iter().next().map_or(1.0, |sensor| sensor.correct_match())
+}
+
+/// Prints what the map shows to be wrong with a log.
+pub(super) fn tell_agreement(place: &str, survey: &Survey, predictions: &Predictions, setup: &Model) {
+    let judged = predictions.agreement.as_ref();
+    if let Some(said) = judged.and_then(|judged| judged.agreement.warning(judged.mapper, correct(setup))) {
+        output::note(format_args!("warning: {place}: {said}"));
+    }
+    reading::tell_after_mapping(place, &survey.report, fails(predictions, setup));
 }
 
 /// What the terminal shows.
@@ -205,6 +228,10 @@ pub(super) fn text(told: &Told) -> String {
             let _ =
                 writeln!(text, "largest {what} between scans: {size} within {:.2} s (line {})", step.time_s, step.line);
         }
+    }
+    if let Some(judged) = predictions.agreement.as_ref().filter(|judged| judged.agreement.share().is_some()) {
+        text += &judged.agreement.text(judged.mapper, correct(told.setup)).replace(" of the map", "\nof the map");
+        text.push('\n');
     }
     let _ = writeln!(
         text,

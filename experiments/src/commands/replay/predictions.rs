@@ -6,10 +6,11 @@ use score::{SeriesMean, series_mean};
 use sensor::Scan;
 use serde_json::json;
 
-use super::mapping::{BATCH, Maps, is_kept_back};
+use super::mapping::{BATCH, Map, Maps, is_kept_back};
 use super::recording::{self, Recording};
 use crate::failure::Failure;
 use crate::output::table::{Table, rounded};
+use crate::worlds::agreement::{Agreement, Spread};
 
 /// The maps' scores.
 pub(super) struct Predictions {
@@ -20,6 +21,24 @@ pub(super) struct Predictions {
     pub(super) scans: usize,
     /// Readings of theirs that were predicted.
     pub(super) readings: u64,
+    /// How far they agree with a map, if there is one that knows anything.
+    pub(super) agreement: Option<Judged>,
+}
+
+/// How far readings agree with the map of a mapper.
+pub(super) struct Judged {
+    pub(super) mapper: &'static str,
+    pub(super) agreement: Agreement,
+}
+
+/// What one scan says of every map.
+struct Told {
+    /// `-ln P` of its readings under every belief.
+    losses: Vec<f64>,
+    /// How many were predicted.
+    readings: u64,
+    /// How far they agree with every map.
+    agreements: Vec<Agreement>,
 }
 
 /// The score of one map under one belief.
@@ -33,7 +52,13 @@ pub(super) struct Prediction {
 
 impl Predictions {
     /// Predicts every reading of the scans kept back by every map.
-    pub(super) fn of(recording: &Recording, hold_out: u64, maps: &Maps, setup: &Model) -> Result<Self, Failure> {
+    pub(super) fn of(
+        recording: &Recording,
+        hold_out: u64,
+        maps: &Maps,
+        setup: &Model,
+        spread: Spread,
+    ) -> Result<Self, Failure> {
         let beliefs: Vec<(String, Belief)> = maps
             .maps
             .iter()
@@ -44,8 +69,9 @@ impl Predictions {
             })
             .collect();
         let onset = setup.prior.onset(setup.grid.cell_m);
-        let losses = |scan: &Scan| {
-            let mut predictive = Predictive::new(setup.grid, &**setup.sensors.of(scan), onset);
+        let told = |scan: &Scan| {
+            let sensor = &**setup.sensors.of(scan);
+            let mut predictive = Predictive::new(setup.grid, sensor, onset);
             let (mut sums, mut readings) = (vec![0.0; beliefs.len()], 0);
             for ray in scan.rays() {
                 if predictive.take(&ray) {
@@ -53,23 +79,24 @@ impl Predictions {
                     sums.iter_mut().zip(&beliefs).for_each(|(sum, (_, belief))| *sum += predictive.log_loss(*belief));
                 }
             }
-            (sums, readings)
+            let agreement = |map: &Map| Agreement::of(scan, &map.occupancy, &maps.seen, sensor, spread);
+            Told { losses: sums, readings, agreements: maps.maps.iter().map(agreement).collect() }
         };
-        let mut scans: Vec<(Vec<f64>, u64)> = Vec::new();
+        let mut scans: Vec<Told> = Vec::new();
         let mut batch = Vec::with_capacity(BATCH);
         for (number, scan) in (0..).zip(recording.scans()?) {
             let scan = scan.map_err(recording::refused)?;
             if is_kept_back(number, hold_out) {
                 batch.push(scan);
                 if batch.len() == BATCH {
-                    scans.par_extend(batch.par_drain(..).map(|scan| losses(&scan)));
+                    scans.par_extend(batch.par_drain(..).map(|scan| told(&scan)));
                 }
             }
         }
-        scans.par_extend(batch.par_drain(..).map(|scan| losses(&scan)));
+        scans.par_extend(batch.par_drain(..).map(|scan| told(&scan)));
         let baseline = beliefs.iter().position(|(name, _)| name == "visibility").unwrap_or(0);
         let series = |of: &dyn Fn(&[f64]) -> f64| {
-            let series: Vec<(f64, u64)> = scans.iter().map(|(sums, readings)| (of(sums), *readings)).collect();
+            let series: Vec<(f64, u64)> = scans.iter().map(|scan| (of(&scan.losses), scan.readings)).collect();
             series_mean(&series).map_err(|_| {
                 let place = recording.place();
                 let what = "no reading of the scans kept back lies on the map; keep more back (--hold-out) or use more of the log";
@@ -80,9 +107,14 @@ impl Predictions {
             let (loss, difference) = (series(&|sums| sums[k])?, series(&|sums| sums[k] - sums[baseline])?);
             Ok(Prediction { name: name.clone(), loss, difference })
         };
-        let rows = beliefs.iter().enumerate().map(row).collect::<Result<_, Failure>>()?;
-        let readings = scans.iter().map(|(_, readings)| readings).sum();
-        Ok(Self { rows, baseline, scans: scans.len(), readings })
+        let rows: Vec<Prediction> = beliefs.iter().enumerate().map(row).collect::<Result<_, Failure>>()?;
+        let readings = scans.iter().map(|scan| scan.readings).sum();
+        let judged = judging(&rows, maps);
+        let agreement = judged.map(|map| Judged {
+            mapper: maps.maps[map].mapper,
+            agreement: scans.iter().map(|scan| scan.agreements[map]).fold(Agreement::default(), Agreement::and),
+        });
+        Ok(Self { rows, baseline, scans: scans.len(), readings, agreement })
     }
 
     /// As `replay` prints them.
@@ -118,6 +150,14 @@ impl Predictions {
     pub(super) fn others(&self) -> impl Iterator<Item = &Prediction> {
         self.rows.iter().enumerate().filter(|(k, _)| *k != self.baseline).map(|(_, row)| row)
     }
+}
+
+/// The map that readings are held against: that of `visibility`, else the one that predicts best; none that knows nothing.
+fn judging(rows: &[Prediction], maps: &Maps) -> Option<usize> {
+    let loss = |map: &Map| rows.iter().find(|row| row.name == map.mapper).map_or(f64::INFINITY, |row| row.loss.mean);
+    let rank = |map: &Map| if map.mapper == "visibility" { f64::NEG_INFINITY } else { loss(map) };
+    let known = (0..maps.maps.len()).filter(|map| maps.maps[*map].mapper != "prior");
+    known.min_by(|a, b| rank(&maps.maps[*a]).total_cmp(&rank(&maps.maps[*b])))
 }
 
 impl Prediction {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::output::args::{Format, PriorOptions, ThreadsOption, count, positive};
+use crate::output::args::{Format, PriorOptions, ThreadsOption, count, positive, trimmed};
 
 /// A million maps in one run is a sweep, not a table with a spread.
 const MOST_SEEDS: u32 = 10_000;
@@ -31,7 +31,7 @@ pub struct RoomOptions {
     #[arg(
         long,
         value_name = "A,B",
-        value_delimiter = ',',
+        value_delimiter = ',', value_parser = trimmed,
         default_value = "visibility,visibility-lateral,visibility-printed,conventional"
     )]
     pub mappers: Vec<String>,

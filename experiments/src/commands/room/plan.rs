@@ -5,6 +5,7 @@ use mapper::catalogue::Entry;
 
 use super::options::RoomOptions;
 use crate::failure::Failure;
+use crate::jobs::memory;
 use crate::page;
 use crate::worlds::condition::AS_BELIEVED;
 use crate::worlds::mappers::entries;
@@ -27,6 +28,23 @@ impl RoomPlan {
         let Site { ground, setup } = Site::of(scene, &AS_BELIEVED, &Assumptions::of(&options.prior))?;
         Ok(Self { frames: page::moments(&ground, page::FRAMES), ground, mappers, setup })
     }
+}
+
+/// Refuses more cells than memory holds with what is kept of every mapper: its maps of every stage (f64) and frame (f32), in each of
+/// the trials that run at once.
+pub(super) fn refuse_too_large(
+    options: &RoomOptions,
+    ground: &Ground,
+    mappers: &[&Entry],
+    setup: &Model,
+    frames: usize,
+) -> Result<(), Failure> {
+    let grid = &ground.scene.grid;
+    let copies = ground.scene.stages.len() + 1 + frames.div_ceil(2);
+    let at_once = rayon::current_num_threads().min(options.seeds as usize);
+    let bytes = at_once as f64 * (memory::of_mapping(grid, mappers, setup, copies) + memory::besides(grid));
+    let remedy = "use larger cells (--grid), fewer mappers, or fewer --threads with several seeds";
+    memory::refuse(&options.scene.display().to_string(), grid, bytes, remedy)
 }
 
 /// Claims are made about free cells: a region without any is a mistake in the scene.

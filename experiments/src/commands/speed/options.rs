@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::scans::Kernel;
-use crate::output::args::{FormatOption, count, positive};
+use crate::output::args::{FormatOption, count, positive, trimmed};
 
 /// Mappers that are measured where none are named: those that a robot would run, side by side with the ablations.
 pub(super) const MAPPERS: &str =
@@ -25,7 +25,7 @@ pub struct SpeedOptions {
     #[arg(long, value_enum, default_value_t, requires = "scans")]
     pub sensor: Kernel,
     /// Mappers, comma-separated (see `list`); those that take all scans at once solve once, at the end
-    #[arg(long, value_name = "A,B", value_delimiter = ',', default_value = MAPPERS)]
+    #[arg(long, value_name = "A,B", value_delimiter = ',', value_parser = trimmed, default_value = MAPPERS)]
     pub mappers: Vec<String>,
     /// Side of a cell in metres
     #[arg(long, value_name = "M", default_value_t = 0.05, allow_negative_numbers = true, value_parser = positive)]
