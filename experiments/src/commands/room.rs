@@ -40,7 +40,6 @@ pub fn run(options: &RoomOptions) -> Result<(), Failure> {
     interruption::watch();
     threads::limit(options.threads.count)?;
     let seeds = seeds(options)?;
-    threads::limit(options.threads.count)?;
     let RoomPlan { ground, mappers, setup, frames } = RoomPlan::of(options)?;
     plan::refuse_too_large(options, &ground, &mappers, &setup, frames.len())?;
     let usual = || folder::for_scene(&Path::new("results").join(&ground.scene.name), &options.scene);

@@ -8,7 +8,7 @@
 //! `sqrt(6^2 - 5^2 / 3) = 5.3` to `sqrt(6^2 - 5^2 / 12) = 5.8` cm, and what is below half a cell cannot be told at all. More readings do not
 //! help, since all share their `u`.
 //!
-//! So sigma is not asked of the cells. Each half of the scans gives pieces of straight surface ([`Piece`]): a line with normal `n` and offset
+//! So sigma is not asked of the cells. Each half of the scans gives pieces of straight surface (`Piece`): a line with normal `n` and offset
 //! `c`, fitted to the readings about a place by least squares along their rays,
 //!
 //! ```text
