@@ -83,7 +83,12 @@ fn ignored(status: &str) -> u64 {
 fn end() {
     let _whole = not_now();
     INTERRUPTED.store(true, Ordering::SeqCst);
-    locked(&CLEAN_UPS).iter_mut().for_each(|(_, work)| work());
+    // Held to the end: from now on nobody begins what would have to be cleaned up.
+    let mut clean_ups = locked(&CLEAN_UPS);
+    clean_ups.iter_mut().for_each(|(_, work)| work());
+    // Once more, for files that were registered a moment ago and are made only now.
+    std::thread::sleep(std::time::Duration::from_millis(30));
+    clean_ups.iter_mut().for_each(|(_, work)| work());
     let kept = kept();
     if let Some(kept) = &kept {
         let _ = writeln!(std::io::stderr(), "\ninterrupted: {kept}");
