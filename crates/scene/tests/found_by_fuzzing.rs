@@ -75,22 +75,41 @@ fn a_text_among_the_corners_is_quoted_in_part() {
 #[test]
 fn the_last_room_of_a_corridor_ends_where_the_wall_begins() {
     // Rooms were added without end where the place of the outer wall was rounded down.
-    let text = r#"name = "corridor"
+    let text = corridors("wall_thickness = 0.4\npassage = [1.8, 2.2]");
+    let family = Family::parse(&text, Path::new("f.toml")).expect("a family");
+    for layout in 1..=20 {
+        let text = family.generate(layout, &Variation::default()).expect("a layout");
+        Scene::parse(&text, Path::new("s.toml"), None).expect("a scene");
+    }
+}
+
+#[test]
+fn openings_fit_in_their_place() {
+    let error =
+        Family::parse(&corridors("passage = [1.8, 6.2]"), Path::new("f.toml")).expect_err("wider than the place");
+    assert!(error.to_string().contains("less than the least height of the place, 4 m"), "{error}");
+    let wide = corridors("").replace("corridor", "two-rooms").replace("[0.8, 1.1]", "[0.8, 3.9]");
+    let family = Family::parse(&wide, Path::new("f.toml")).expect("some doors of this family fit");
+    for layout in 1..=50 {
+        let text = family.generate(layout, &Variation::default()).expect("a layout");
+        Scene::parse(&text, Path::new("s.toml"), None).expect("a scene whose walls lie within its bounds");
+    }
+}
+
+/// A family of corridors with further keys.
+fn corridors(keys: &str) -> String {
+    format!(
+        r#"name = "corridor"
 [generate]
 kind = "corridor"
 width = [11.0, 12.5]
 height = [4.0, 4.6]
 obstacle_size = 0.3
 covered = 0.05
-wall_thickness = 0.4
-passage = [1.8, 2.2]
 door = [0.8, 1.1]
+{keys}
 [camera]
 columns = 20
-"#;
-    let family = Family::parse(text, Path::new("f.toml")).expect("a family");
-    for layout in 1..=20 {
-        let text = family.generate(layout, &Variation::default()).expect("a layout");
-        Scene::parse(&text, Path::new("s.toml"), None).expect("a scene");
-    }
+"#
+    )
 }

@@ -93,17 +93,19 @@ fn plan(table: &Table) -> Result<Plan, Error> {
     };
     table.only(&[&COMMON, openings].concat())?;
     let or = |key, limit: &Limit, default| Ok::<_, Error>(table.optional_number(key, limit)?.unwrap_or(default));
+    let size_m = [range(table, "width", &SIDE)?, range(table, "height", &SIDE)?];
     let kind = match kind.get_ref().as_str() {
-        Some("corridor") => {
-            Kind::Corridor { passage_m: range(table, "passage", &OPENING)?, door_m: range(table, "door", &OPENING)? }
-        }
-        Some("two-rooms") => Kind::TwoRooms { door_m: range(table, "door", &OPENING)? },
+        Some("corridor") => Kind::Corridor {
+            passage_m: within(table, "passage", size_m[1][0])?,
+            door_m: range(table, "door", &OPENING)?,
+        },
+        Some("two-rooms") => Kind::TwoRooms { door_m: within(table, "door", size_m[1][0])? },
         Some("hall") => Kind::Hall,
         _ => Kind::Clutter,
     };
     Ok(Plan {
         kind,
-        size_m: [range(table, "width", &SIDE)?, range(table, "height", &SIDE)?],
+        size_m,
         obstacle_m: table.number("obstacle_size", &OBSTACLE)?,
         spread: or("obstacle_spread", &SPREAD, 0.5)?,
         covered: table.number("covered", &COVERED)?,
@@ -119,6 +121,18 @@ fn range(table: &Table, key: &str, limit: &Limit) -> Result<[f64; 2], Error> {
     let [least, most] = table.required_pair(key, limit)?;
     match table.get(key) {
         Some(value) if least > most => Err(table.refuse(key, value, limit.bound, limit.remedy)),
+        _ => Ok([least, most]),
+    }
+}
+
+/// Widths of an opening in a place that is at least `height_m` high: what would be wider than the place is refused.
+fn within(table: &Table, key: &str, height_m: f64) -> Result<[f64; 2], Error> {
+    let [least, most] = range(table, key, &OPENING)?;
+    match table.get(key) {
+        Some(value) if most >= height_m => {
+            let bound = format!("less than the least height of the place, {height_m} m");
+            Err(table.refuse(key, value, &bound, "make it narrower, or the place higher"))
+        }
         _ => Ok([least, most]),
     }
 }

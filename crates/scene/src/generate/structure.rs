@@ -34,7 +34,8 @@ pub(super) struct Structure {
 }
 
 impl Structure {
-    /// Draws walls and a route; none where the route comes nearer than `clear_m` to a wall.
+    /// Draws walls and a route; none where the route comes nearer than `clear_m` to a wall, or a wall reaches out of
+    /// the place.
     pub(super) fn draw(plan: &Plan, clear_m: f64, rng: &mut ChaCha8Rng) -> Option<Self> {
         let size_m = plan.size_m.map(|range| libm::rint(between(range, rng) / SIDE_M) / (1.0 / SIDE_M));
         let mut walls = outer(size_m, plan.wall_m);
@@ -70,11 +71,19 @@ impl Structure {
         let longest = if matches!(plan.kind, Kind::TwoRooms { .. }) { LONGEST_THROUGH_DOOR } else { LONGEST };
         let short = length <= longest * size_m[0];
         let fits = short
+            && structure.walls.iter().all(|wall| structure.holds(wall))
             && structure.legs().all(|(from, to)| {
                 let clear = structure.walls.iter().all(|wall| gap::to_way(&wall.shape(), from, to) >= clear_m);
                 clear && distance(from, to) >= SHORTEST_LEG_M
             });
         fits.then_some(structure)
+    }
+
+    /// Whether a wall lies in the place and has a length.
+    fn holds(&self, wall: &Piece) -> bool {
+        let [min, max] = wall.shape().extent_m();
+        // Half of what a scene's file may reach out of its bounds by rounding.
+        (0..2).all(|k| min[k] >= -5e-10 && max[k] <= self.size_m[k] + 5e-10)
     }
 
     /// The legs of the route, from stop to stop.
