@@ -14,6 +14,9 @@
 //! **Raw lasers** have no pose: it is that of the odometry before and after them, not bridged over more than
 //! [`Options::max_gap_s`], and of where the laser stands on the robot. They are left out where the same laser has scans with poses.
 //!
+//! **Said twice.** Where a laser has the same ranges at the same time in messages of two names, such as `FLASER` and `ROBOTLASER1`,
+//! the second is skipped.
+//!
 //! **Parameters** of the first laser are named `laser_front_laser_*`, `laser_laser1_*`, `robot_front_laser_*` or `robot_frontlaser_*`, of the second
 //! likewise with `rear` or `2`, of others with `laser3` and so on; read are `max` (m), `fov` (rad or degrees), `resolution` (degrees),
 //! `start_angle`, and where it stands: `offset`, `side_offset` (m) and `angular_offset` (rad).
@@ -32,7 +35,7 @@
 mod odometry;
 mod parameters;
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::f64::consts::{PI, TAU};
 
 use sensor::{Pose, Scan};
@@ -54,6 +57,9 @@ const BEHIND_FLASER: usize = 9;
 const BEHIND_ROBOTLASER: usize = 14;
 const BEHIND_RAWLASER: usize = 3;
 
+/// Two messages of one laser with the same ranges are of one scan up to this far apart in time, s.
+const AT_ONCE_S: f64 = 0.5;
+
 /// Poses that differ by no more than what logs round are the same, m and rad.
 const SAME: f64 = 2e-4;
 
@@ -63,6 +69,15 @@ pub(crate) struct Carmen {
     /// Names of the messages that held scans, in order: the sensors.
     names: Vec<String>,
     waiting: Waiting,
+    ranges_m: Vec<f64>,
+    /// The last scan of each laser that has a pose.
+    last: BTreeMap<u8, Last>,
+}
+
+/// A scan, to find out whether the next message of that laser says it again.
+struct Last {
+    sensor: usize,
+    time_s: f64,
     ranges_m: Vec<f64>,
 }
 
@@ -84,6 +99,7 @@ impl Carmen {
             names: Vec::new(),
             waiting: Waiting::default(),
             ranges_m: Vec::new(),
+            last: BTreeMap::new(),
         }
     }
 
@@ -230,10 +246,27 @@ impl Carmen {
 
     fn placed(&mut self, laser: u8, recorded: Recorded, report: &mut Report, out: &mut VecDeque<Recorded>) {
         self.waiting.placed(laser, report);
+        if self.is_said_again(laser, &recorded) {
+            report.said_again += 1;
+            return report.skip(&self.names[recorded.sensor]);
+        }
         if recorded.unit.is_ok() && recorded.odometry.is_some_and(|odometry| is_odometry(&recorded, odometry)) {
             report.sensors.entry(recorded.sensor).or_default().odometry_poses += 1;
         }
         out.push_back(recorded);
+    }
+
+    /// Whether the last message of the laser, of another name, has the same ranges at this time: newer programs of CARMEN write
+    /// every scan as `FLASER` and as `ROBOTLASER1`.
+    fn is_said_again(&mut self, laser: u8, recorded: &Recorded) -> bool {
+        let (sensor, time_s) = (recorded.sensor, recorded.scan.time_s);
+        let again = self.last.get(&laser).is_some_and(|last| {
+            last.sensor != sensor && (last.time_s - time_s).abs() <= AT_ONCE_S && last.ranges_m == self.ranges_m
+        });
+        if !again {
+            self.last.insert(laser, Last { sensor, time_s, ranges_m: self.ranges_m.clone() });
+        }
+        again
     }
 }
 

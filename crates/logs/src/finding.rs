@@ -85,6 +85,11 @@ pub enum Finding {
         /// The longest gap that is bridged, s.
         most_s: f64,
     },
+    /// Scans that stand in the log as messages of two names were used once.
+    SaidAgain {
+        /// How many.
+        scans: u64,
+    },
     /// Scans of raw lasers without odometry around them were left out.
     Unplaced {
         /// How many.
@@ -189,6 +194,7 @@ impl Finding {
             | Self::TrajectoryStrays { .. } => true,
             Self::OdometryPoses { .. }
             | Self::Gaps { .. }
+            | Self::SaidAgain { .. }
             | Self::Unplaced { .. }
             | Self::ZeroDisparities { .. }
             | Self::Regrouped { .. }

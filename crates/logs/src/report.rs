@@ -105,6 +105,8 @@ pub struct Report {
     pub unusable: u64,
     /// Messages that hold no scan, by name; comments are `#`.
     pub skipped: BTreeMap<String, u64>,
+    /// Messages that say a scan again that stands in one of another name; they are among the skipped ones.
+    pub said_again: u64,
     /// Lines that could not be read.
     pub damaged: u64,
     /// The first of them, and other things to know, in order.
@@ -191,6 +193,7 @@ impl Report {
         let beams = self.beams;
         let NoMatchCodes { zero, infinite, large } = self.codes;
         let some = |count: u64, finding: Finding| (count > 0).then_some(finding);
+        all.extend(some(self.said_again, Finding::SaidAgain { scans: self.said_again }));
         all.extend(some(self.unplaced, Finding::Unplaced { scans: self.unplaced }));
         all.extend(some(zero, Finding::ZeroDisparities { count: zero, beams }));
         all.extend(some(infinite, Finding::InfiniteDisparities { count: infinite }));

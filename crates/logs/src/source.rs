@@ -20,7 +20,7 @@ const BLOCKS: [[u8; 6]; 2] = [*b"1AY&SY", *b"\x17\x72\x45\x38\x50\x90"];
 /// Opens a file; with `again`, one that can be read more than once.
 pub(crate) fn file(path: &Path, again: bool) -> Result<File, LogError> {
     let place = || path.display().to_string();
-    let file = File::open(path).map_err(|source| LogError::Unreadable { place: place(), source })?;
+    let file = strict::opened(path).map_err(|source| LogError::Unreadable { place: place(), source })?;
     match file.metadata() {
         Ok(metadata) if metadata.is_dir() => Err(LogError::Folder { place: place() }),
         Ok(metadata) if again && !metadata.is_file() => Err(LogError::Pipe { place: place() }),

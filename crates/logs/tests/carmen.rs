@@ -33,6 +33,20 @@ fn drive(scans: u32) -> String {
 }
 
 #[test]
+fn a_scan_in_messages_of_two_names_is_used_once() {
+    let twice: String = (0..5).map(|k| flaser(&scan(k)) + &robot_laser(&scan(k), 80.0)).collect();
+    let (scans, report) = read(&twice, &Options::default()).expect("a log");
+    assert_eq!((scans.len(), report.said_again, report.skipped["ROBOTLASER1"]), (5, 5, 5));
+    let said: Vec<String> = report.findings().iter().map(ToString::to_string).collect();
+    assert!(said.iter().any(|line| line.starts_with("5 scans stand in messages of two names")), "{said:?}");
+    // Other ranges are another scan.
+    let other = |k| Scan { readings: (0..181).map(|beam| Some(2.0 + f64::from(beam) * 0.01)).collect(), ..scan(k) };
+    let two: String = (0..5).map(|k| flaser(&scan(k)) + &robot_laser(&other(k), 80.0)).collect();
+    let (scans, report) = read(&two, &Options::default()).expect("a log");
+    assert_eq!((scans.len(), report.said_again), (10, 0));
+}
+
+#[test]
 fn a_log_of_all_messages() {
     let text = format!(
         "# CARMEN Logfile\nPARAM robot_front_laser_max 30.0 nohost 0\nPARAM robot_length 0.5 nohost 0\n\

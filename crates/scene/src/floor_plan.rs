@@ -2,7 +2,6 @@
 
 mod document;
 
-use std::fs::File;
 use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 
@@ -57,7 +56,7 @@ impl FloorPlan {
     pub fn load(path: &Path) -> Result<Self, FloorPlanError> {
         let unreadable = |source| FloorPlanError::Unreadable { path: path.into(), source };
         let mut bytes = Vec::new();
-        File::open(path).and_then(|f| f.take(MAX_BYTES + 1).read_to_end(&mut bytes)).map_err(unreadable)?;
+        strict::opened(path).and_then(|f| f.take(MAX_BYTES + 1).read_to_end(&mut bytes)).map_err(unreadable)?;
         Self::parse(&bytes, path)
     }
 

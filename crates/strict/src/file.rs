@@ -1,19 +1,48 @@
 //! From a path to a parsed document.
 
 use std::fs::File;
-use std::io::Read as _;
+use std::io::{self, Read as _};
 use std::path::Path;
 
 use toml::Spanned;
 use toml::de::DeTable;
 
 use crate::excerpt::{LONGEST_REPORT, excerpt};
+use crate::foreign;
+use crate::likeness::near;
 use crate::place::Place;
 use crate::problem::{Error, Problem};
 use crate::source::Source;
 
 /// No file is longer; `/dev/zero` is.
 const MAX_BYTES: u64 = 16 << 20;
+
+/// Of a folder so many names are compared with a wrong one.
+const MOST_NAMES: usize = 10_000;
+
+/// Opens a file to read it.
+///
+/// # Errors
+/// As [`File::open`]; of a file that is not there the message names one beside it that is called nearly so.
+pub fn opened(path: &Path) -> io::Result<File> {
+    File::open(path).map_err(|error| match error.kind() {
+        io::ErrorKind::NotFound => io::Error::new(error.kind(), format!("there is no such file{}", beside(path))),
+        _ => error,
+    })
+}
+
+/// ` (did you mean ...?)` where a file beside `path` is called nearly so.
+fn beside(path: &Path) -> String {
+    let (Some(folder), Some(name)) = (path.parent(), path.file_name()) else { return String::new() };
+    let entries = std::fs::read_dir(if folder.as_os_str().is_empty() { Path::new(".") } else { folder });
+    let names = entries.into_iter().flatten().take(MOST_NAMES);
+    let mut names: Vec<String> = names.filter_map(|entry| entry.ok()?.file_name().into_string().ok()).collect();
+    names.sort_unstable();
+    let known: Vec<&str> = names.iter().map(String::as_str).collect();
+    let near = near(&name.to_string_lossy(), &known);
+    let shown = near.map(|name| excerpt(&folder.join(name).display().to_string(), LONGEST_REPORT));
+    shown.map(|path| format!(" (did you mean `{path}`?)")).unwrap_or_default()
+}
 
 /// Reads a file as text, at most 16 MiB of UTF-8.
 ///
@@ -22,7 +51,7 @@ const MAX_BYTES: u64 = 16 << 20;
 pub fn read(path: &Path) -> Result<String, Error> {
     let file = path.display().to_string();
     let mut bytes = Vec::new();
-    let opened = File::open(path).and_then(|f| f.take(MAX_BYTES + 1).read_to_end(&mut bytes));
+    let opened = opened(path).and_then(|f| f.take(MAX_BYTES + 1).read_to_end(&mut bytes));
     opened.map_err(|source| Error::Unreadable { file: file.clone(), source })?;
     let not_text = |problem: String, line, column| Error::Invalid {
         place: Place { file: file.clone(), line, column },
@@ -34,6 +63,10 @@ pub fn read(path: &Path) -> Result<String, Error> {
     String::from_utf8(bytes).map_err(|error| {
         let good = error.utf8_error().valid_up_to();
         let before = String::from_utf8_lossy(&error.as_bytes()[..good]).into_owned();
+        if let Some((what, remedy)) = foreign::named(error.as_bytes()) {
+            let place = Place { file: file.clone(), line: 1, column: 1 };
+            return Error::Invalid { place, problem: Box::new(Problem::Foreign { what, remedy }) };
+        }
         let place = Source::new(&file, &before).place(good);
         not_text(format!("byte {:#04x} is no UTF-8", error.as_bytes()[good]), place.line, place.column)
     })
@@ -47,6 +80,9 @@ pub fn open<'a>(text: &'a str, file: &'a str) -> Result<(Source<'a>, Spanned<DeT
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let source = Source::new(file, text);
     let document = DeTable::parse(text).map_err(|error| {
+        if let Some((what, remedy)) = foreign::named(text.as_bytes()) {
+            return source.error(0, Problem::Foreign { what, remedy });
+        }
         let offset = error.span().map_or(0, |span| span.start);
         let report = error.message().lines().collect::<Vec<_>>().join("; ");
         source.error(offset, Problem::Syntax(excerpt(&report, LONGEST_REPORT)))
@@ -77,7 +113,10 @@ mod tests {
         assert_eq!(long, "1:1: more than 16 MiB; must be a TOML text of at most 16 MiB in UTF-8");
         let cut = refusal("\u{feff}a = 1\nb =\n".as_bytes());
         assert!(cut.starts_with("2:4: no valid TOML: ") && cut.lines().count() == 1, "{cut}");
-        let absent = read(&folder.path().join("absent.toml")).expect_err("no such file");
+        let absent = read(&folder.path().join("another-name.toml")).expect_err("no such file");
         assert_eq!(absent.kind(), crate::ErrorKind::BadInput);
+        assert!(!absent.to_string().contains("did you mean"), "{absent}");
+        let wrong = read(&folder.path().join("ff.tml")).expect_err("no such file").to_string();
+        assert!(wrong.contains(&format!("there is no such file (did you mean `{}`?)", path.display())), "{wrong}");
     }
 }

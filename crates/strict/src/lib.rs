@@ -16,13 +16,15 @@
 //! # Ok::<(), strict::Error>(())
 //! ```
 //!
-//! - [`read`] takes a text of bounded length, [`open`] parses it.
+//! - [`read`] takes a text of bounded length, [`open`] parses it; what other commands read is named with them.
+//! - [`opened`] opens any file; of one that is not there the message names one beside it that is called nearly so.
 //! - [`Table`] gives values that are checked where they are taken; [`Table::only`] refuses keys that nothing reads.
 //! - [`nearest`] and [`hint`] find the known name that is most like a wrong one.
 //! - [`excerpt`](excerpt()) is what messages quote of a file: one line of bounded length.
 
 mod excerpt;
 mod file;
+mod foreign;
 mod likeness;
 mod limit;
 mod place;
@@ -32,7 +34,7 @@ mod table;
 mod value;
 
 pub use excerpt::{LONGEST_REPORT, LONGEST_VALUE, excerpt};
-pub use file::{open, read};
+pub use file::{open, opened, read};
 pub use likeness::{hint, nearest};
 pub use limit::Limit;
 pub use place::Place;

@@ -12,15 +12,20 @@ pub fn nearest<'k>(name: &str, known: impl IntoIterator<Item = &'k str>) -> &'k 
 
 /// ` (did you mean ...?)` where a known name is near.
 pub fn hint(name: &str, known: &[&str]) -> String {
+    near(name, known).map(|near| format!(" (did you mean `{near}`?)")).unwrap_or_default()
+}
+
+/// The known name that is most like what was written, where it is near.
+pub(crate) fn near<'k>(name: &str, known: &[&'k str]) -> Option<&'k str> {
     let letters = name.chars().take(LONGEST + 1).count();
     if letters > LONGEST {
-        return String::new();
+        return None;
     }
     let away = |candidate: &str| strsim::damerau_levenshtein(&name.to_lowercase(), &candidate.to_lowercase());
     // A third of the letters may be wrong; of one or two letters, none or one.
     let most = (1 + letters / 3).min(letters.saturating_sub(1));
-    let nearest = known.iter().filter(|_| letters > 0).min_by_key(|c| away(c)).filter(|c| away(c) <= most);
-    nearest.map(|c| format!(" (did you mean `{c}`?)")).unwrap_or_default()
+    let known = known.iter().copied().filter(|c| letters > 0 && c.len() <= 4 * LONGEST);
+    known.map(|c| (away(c), c)).filter(|(away, _)| *away <= most).min().map(|(_, c)| c)
 }
 
 #[cfg(test)]

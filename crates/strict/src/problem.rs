@@ -37,6 +37,9 @@ pub enum Problem {
     /// Not TOML.
     #[error("no valid TOML: {0}")]
     Syntax(String),
+    /// A file that another command reads.
+    #[error("is {what}, not the TOML text that is asked for; {remedy}")]
+    Foreign { what: &'static str, remedy: &'static str },
     /// A key that nothing reads.
     #[error("{element}: unknown key `{key}`{hint}; known keys: {known}")]
     UnknownKey { element: String, key: String, hint: String, known: String },

@@ -1,6 +1,5 @@
 //! Occupancy out of NPY files.
 
-use std::fs::File;
 use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
 
@@ -78,7 +77,7 @@ impl NpyError {
 /// A file that cannot be read, is no NPY file, ends too early, or holds another shape, type or value.
 pub fn read(path: &Path) -> Result<Array, NpyError> {
     let unreadable = |source| Reader { path }.unreadable(source);
-    let file = File::open(path).map_err(unreadable)?;
+    let file = strict::opened(path).map_err(unreadable)?;
     let length = file.metadata().map_err(unreadable)?.len();
     read_from(BufReader::new(file), length, path)
 }

@@ -1,7 +1,6 @@
 //! The YAML file that describes a map.
 
 use std::collections::HashMap;
-use std::fs::File;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
@@ -62,7 +61,7 @@ impl Description {
     pub(super) fn read(path: &Path) -> Result<Self, RosMapError> {
         let unreadable = |source| RosMapError::Unreadable { path: path.into(), source };
         let mut bytes = Vec::new();
-        File::open(path).and_then(|f| f.take(MAX_BYTES + 1).read_to_end(&mut bytes)).map_err(unreadable)?;
+        strict::opened(path).and_then(|f| f.take(MAX_BYTES + 1).read_to_end(&mut bytes)).map_err(unreadable)?;
         Self::parse(&bytes, path, Path::is_file)
     }
 

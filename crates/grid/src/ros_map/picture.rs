@@ -1,6 +1,5 @@
 //! The image of a map, of whatever kind its first bytes are.
 
-use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 
@@ -26,7 +25,7 @@ const OTHERS: [(&[u8], &str); 8] = [
 /// Reads a PGM (or another of the netpbm family) or PNG and takes `of` of every pixel.
 pub(super) fn read<T>(path: &Path, of: impl FnMut(Pixel) -> T) -> Result<Picture<T>, RosMapError> {
     let mut bytes = Vec::new();
-    let read = File::open(path).and_then(|file| file.take(MAX_BYTES + 1).read_to_end(&mut bytes));
+    let read = strict::opened(path).and_then(|file| file.take(MAX_BYTES + 1).read_to_end(&mut bytes));
     read.map_err(|source| RosMapError::Unreadable { path: path.into(), source })?;
     read_from(&bytes, path, of)
 }

@@ -90,6 +90,12 @@ impl fmt::Display for Finding {
                 "{scans} scans are left out: they lie where no pose is known for more than {most_s} s, at most for {longest_s:.1} s \
                  from {from_s:.3} s on; --max-gap allows longer gaps"
             ),
+            Self::SaidAgain { scans } => {
+                write!(
+                    f,
+                    "{scans} scans stand in messages of two names, with the same ranges at the same time: each is used once"
+                )
+            }
             Self::Unplaced { scans } => {
                 write!(f, "{scans} scans of raw lasers are left out: there is no ODOM before and after them")
             }

@@ -119,7 +119,8 @@ fn what_is_no_scene_file_at_all() {
     );
     assert_eq!(
         load(b"\x89PNG\r\n\x1a\n\0\0"),
-        ":1:1: byte 0x89 is no UTF-8; must be a TOML text of at most 16 MiB in UTF-8"
+        ":1:1: is a PNG image, not the TOML text that is asked for; give the YAML file that describes the map: \
+         `scene from-map MAP.yaml --out SCENE.toml` makes a scene of it"
     );
     assert!(load(b"\0\0\0\0").starts_with(":1:5: no valid TOML: "));
     assert!(load(&vec![b'#'; (16 << 20) + 1]).starts_with(":1:1: more than 16 MiB; "));

@@ -1,6 +1,5 @@
 //! Disparities whose truth is known: the camera's kernel, Eq. (21), fitted to their errors.
 
-use std::fs::File;
 use std::path::Path;
 
 use super::calibration::{Advice, Calibration};
@@ -46,7 +45,7 @@ pub(super) fn load(path: &Path) -> Result<Option<Table>, Failure> {
     if path.is_dir() {
         return Err(bad(": is a folder; give a log, or a table of disparities".to_owned()));
     }
-    let file = File::open(path)
+    let file = strict::opened(path)
         .map_err(|error| bad(format!(": cannot be opened: {error}; check the path and the permissions")))?;
     let mut table = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(file);
     let Ok(heads) = table.headers().cloned() else { return Ok(None) };
