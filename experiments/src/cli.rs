@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use clap::{CommandFactory as _, Parser, Subcommand};
+use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
 use crate::commands::calibrate::{self, CalibrateOptions};
 use crate::commands::check;
@@ -23,7 +23,7 @@ use crate::commands::tune::{self, TuneOptions};
 use crate::exit;
 use crate::failure::Failure;
 use crate::jobs::memory;
-use crate::output::args::SceneOptions;
+use crate::output::args::{Given, SceneOptions};
 
 /// Tells good maps from bad ones: simulates a robot with a stereo camera, maps what it sees by
 /// several rules, and scores the maps against the truth.
@@ -84,7 +84,14 @@ const PAGES: [(&str, report::Renewal); 2] = [("room", room::renewed_page), ("com
 
 /// Runs the command that the command line names.
 pub fn main() -> ExitCode {
-    let command = Cli::parse().command;
+    let matches = Cli::command().get_matches();
+    let mut command = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit()).command;
+    let given = matches.subcommand().map(|(_, options)| Given::of(options)).unwrap_or_default();
+    match &mut command {
+        Command::Replay(options) => options.given = given,
+        Command::Calibrate(options) => options.given = given,
+        _ => {}
+    }
     exit::code(memory::guarded(|| run(command)))
 }
 

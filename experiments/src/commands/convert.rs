@@ -64,6 +64,13 @@ fn effective(options: &ConvertOptions, kind: output::Kind) -> Result<(), Failure
             "--read-as: must stand with an image without YAML, not .{from}; {remedy}"
         )));
     }
+    for (given, name) in [(options.mode.is_some(), "--mode"), (options.negate, "--negate")] {
+        if given && kind == output::Kind::Npy {
+            return Err(Failure::BadInput(format!(
+                "{name}: must stand with an image to write, not .npy; leave it out"
+            )));
+        }
+    }
     if options.row_order.is_some() && from != "npy" && kind != output::Kind::Npy {
         return Err(Failure::BadInput(
             "--row-order: must stand with an .npy file to read or write; leave it out".to_owned(),

@@ -45,6 +45,7 @@ pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
     let sensor = options.sensor(recording.scans()?.sensor())?;
     let survey = Survey::of(&recording, options.reach, &*sensor)?;
     reading::tell_before_mapping(&recording.place(), &survey.report);
+    options.tell_idle(&recording.place(), &survey.report, survey.sensor);
     if survey.kept == 0 {
         let left_out: Vec<String> =
             outputs::left_out(&survey.report).into_iter().map(|(what, count)| format!("{count} {what}")).collect();

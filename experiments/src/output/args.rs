@@ -3,8 +3,11 @@
 use std::convert::Infallible;
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::parser::ValueSource;
+use clap::{ArgMatches, Args, ValueEnum};
 use mapper::{CorrelationLaw, Prior, Reconciliation};
+
+use super::note;
 
 /// How a table is printed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
@@ -32,6 +35,33 @@ pub struct ThreadsOption {
     /// Threads to use, all processors if not given; results do not depend on it
     #[arg(id = "threads", long, value_name = "N", allow_negative_numbers = true, value_parser = count(MOST_THREADS))]
     pub count: Option<u32>,
+}
+
+/// The options that stand on the command line, by their field's name, whether or not their values are the usual ones.
+#[derive(Debug, Clone, Default)]
+pub struct Given(Vec<String>);
+
+impl Given {
+    /// Those that were given to a command.
+    pub(crate) fn of(matches: &ArgMatches) -> Self {
+        let given = |id: &&clap::Id| matches.value_source(id.as_str()) == Some(ValueSource::CommandLine);
+        Self(matches.ids().filter(given).map(ToString::to_string).collect())
+    }
+
+    /// Warns of those among `fields` that were given, since they have no effect on `place`, which is `what`.
+    pub(crate) fn warn(&self, fields: &[&str], place: &str, what: &str) {
+        if let Some(line) = self.idle(fields, place, what) {
+            note(line);
+        }
+    }
+
+    fn idle(&self, fields: &[&str], place: &str, what: &str) -> Option<String> {
+        let given = fields.iter().filter(|field| self.0.iter().any(|given| given == **field));
+        let names: Vec<String> = given.map(|field| format!("--{}", field.replace('_', "-"))).collect();
+        let verb = if names.len() == 1 { "has" } else { "have" };
+        let line = || format!("warning: {}: {verb} no effect on {place}, {what}; leave out", names.join(", "));
+        (!names.is_empty()).then(line)
+    }
 }
 
 /// The scene of `check` and `estimate`.

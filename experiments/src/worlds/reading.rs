@@ -1,9 +1,9 @@
 //! Options for reading a log, and what is to be known of one that was read.
 
 use clap::Args;
-use logs::{FanOptions, Finding, Report};
+use logs::{FanOptions, Finding, Report, Sensor};
 
-use crate::output::args::number;
+use crate::output::args::{Given, number};
 use crate::output::note;
 
 /// Where the beams of a laser go, instead of what its log says or what their number lets guess.
@@ -56,6 +56,27 @@ pub(crate) fn tell_before_mapping(place: &str, report: &Report) {
 /// Prints the rest: a warning where scans do not agree with the map, else a note.
 pub(crate) fn tell_after_mapping(place: &str, report: &Report, fails: bool) {
     report.findings().iter().filter(|finding| waits(finding)).for_each(|finding| say(place, finding, fails));
+}
+
+/// Options of `replay` and `calibrate` that are of lasers alone, and of stereo cameras alone.
+const OF_LASERS: [&str; 8] =
+    ["range_sigma", "hit", "no_echo", "early", "max_range", "fov", "first_bearing", "increment"];
+const OF_CAMERAS: [&str; 4] = ["focal_baseline", "disparity_sigma", "correct_match", "max_disparity"];
+
+/// Where the beams of a laser go, which a table says for each.
+const OF_FANS: [&str; 3] = ["fov", "first_bearing", "increment"];
+
+/// Warns of options that have no effect, since they are of another sensor than the log's.
+pub(crate) fn tell_idle(given: &Given, place: &str, report: &Report, sensor: Sensor) {
+    match sensor {
+        Sensor::Stereo => given.warn(&OF_LASERS, place, "a log of a stereo camera"),
+        Sensor::Laser { .. } => {
+            given.warn(&OF_CAMERAS, place, "a log of a laser");
+            if report.sensors.values().all(|sensor| sensor.name.is_empty()) {
+                given.warn(&OF_FANS, place, "a table, which has the bearing of every beam");
+            }
+        }
+    }
 }
 
 /// Whether only a map can tell if a finding makes results doubtful.

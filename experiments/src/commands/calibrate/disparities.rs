@@ -109,6 +109,8 @@ fn check_scale(matches: &[Match]) -> Result<(), String> {
 pub(super) fn calibrate(table: &Table, options: &CalibrateOptions) -> Result<Calibration, Failure> {
     let place = options.file.display();
     let Table { matches, no_match } = table;
+    let of_logs = ["focal_baseline", "scans", "beams", "grid", "max_range", "fov", "first_bearing", "increment"];
+    options.given.warn(&of_logs, &options.file.display().to_string(), "a table of disparities");
     if options.consistent && matches.iter().any(|m| m.consistent.is_none()) {
         let what = "--consistent: needs a column left_right_consistent; leave it out, or run the check";
         return Err(Failure::BadInput(format!("{place}: {what}")));

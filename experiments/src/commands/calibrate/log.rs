@@ -96,7 +96,10 @@ fn read(options: &CalibrateOptions) -> Result<(Vec<Scan>, Sensor), Failure> {
             scans.push(thinned(&scan, options.beams as usize));
         }
     }
-    reading::tell(&options.file.display().to_string(), log.report());
+    let place = options.file.display().to_string();
+    reading::tell(&place, log.report());
+    reading::tell_idle(&options.given, &place, log.report(), log.sensor());
+    options.given.warn(&["consistent"], &place, "a log, which says nothing of left and right");
     if scans.len() < 20 {
         let what =
             format!("{} scans are too few to predict some from the others; give a log of 20 or more", scans.len());

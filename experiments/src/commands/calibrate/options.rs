@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::output::args::{FormatOption, ThreadsOption, count, positive};
+use crate::output::args::{FormatOption, Given, ThreadsOption, count, positive};
 use crate::worlds::reading::FanArgs;
 
 /// Options of `calibrate`.
@@ -47,6 +47,9 @@ pub struct CalibrateOptions {
     /// How many threads work
     #[command(flatten)]
     pub threads: ThreadsOption,
+    /// Which options were given
+    #[arg(skip)]
+    pub given: Given,
 }
 
 const FORMS: &str = "\

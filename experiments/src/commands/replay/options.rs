@@ -4,14 +4,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
-use logs::Sensor;
+use logs::{Report, Sensor};
 use sensor::{Laser, SensorModel, Stereo};
 
 use crate::failure::Failure;
-use crate::output::args::{FormatOption, PriorOptions, ThreadsOption, count, positive, probability, trimmed};
+use crate::output::args::{FormatOption, Given, PriorOptions, ThreadsOption, count, positive, probability, trimmed};
 use crate::output::folder;
 use crate::worlds::agreement::Spread;
-use crate::worlds::reading::FanArgs;
+use crate::worlds::reading::{self, FanArgs};
 
 /// A sensor that mappers share.
 pub(super) type Shared = Arc<dyn SensorModel>;
@@ -89,6 +89,9 @@ pub struct ReplayOptions {
     /// How many threads work
     #[command(flatten)]
     pub threads: ThreadsOption,
+    /// Which options were given
+    #[arg(skip)]
+    pub given: Given,
 }
 
 /// What a trajectory is of.
@@ -178,6 +181,14 @@ impl ReplayOptions {
         match sensor {
             Sensor::Laser { .. } => Spread::Range(self.laser.range_sigma),
             Sensor::Stereo => Spread::Disparity(self.stereo.disparity_sigma),
+        }
+    }
+
+    /// Warns of options that have no effect on this log.
+    pub(super) fn tell_idle(&self, place: &str, report: &Report, sensor: Sensor) {
+        reading::tell_idle(&self.given, place, report, sensor);
+        if self.trajectory.is_none() && report.sensors.values().all(|sensor| !sensor.name.starts_with("RAWLASER")) {
+            self.given.warn(&["max_gap"], place, "a log that has poses of its own");
         }
     }
 
