@@ -198,6 +198,24 @@ fn a_bad_scene_is_one_line_with_its_place_and_leaves_nothing() {
 }
 
 #[test]
+fn what_is_no_scene_is_named_with_the_command_that_reads_it() {
+    let place = Place::new();
+    fs::write(place.path().join("map.yaml"), "image: map.pgm\nresolution: 0.05\norigin: [0, 0, 0]\n")
+        .expect("writable");
+    fs::write(place.path().join("map.pgm"), b"P5\n2 2\n255\n\xcd\xcd\xcd\xcd").expect("writable");
+    fs::write(place.path().join("a.log"), "PARAM robot_length 1\nFLASER 1 1 0 0 0 0 0 0 0 host 0\n").expect("writable");
+    for command in [&["check"][..], &["estimate"], &["room", "--scene"], &["scene", "generate"]] {
+        for (file, reader) in [("map.yaml", "`scene from-map"), ("map.pgm", "`scene from-map"), ("a.log", "`replay`")] {
+            let (out, err) = place.expect(2, &[command, &[file]].concat());
+            assert!(err.starts_with(&format!("error: {file}:1:1: is ")) && err.contains(reader), "{command:?}: {err}");
+            assert!(out.is_empty() && err.lines().count() == 1, "{err}");
+        }
+        let (_, err) = place.expect(2, &[command, &["closets.tml"]].concat());
+        assert!(err.contains("there is no such file (did you mean `closet.toml`?)"), "{err}");
+    }
+}
+
+#[test]
 fn an_output_folder_that_cannot_be_written_is_refused_and_a_failed_run_keeps_the_former_results() {
     let place = Place::new();
     fs::write(place.path().join("file"), "in the way").expect("writable");

@@ -161,6 +161,9 @@ fn what_is_refused_leaves_everything_as_it_was() {
     place.refused(&["absent.yaml", "n.npy"], "absent.yaml: cannot be read");
     place.refused(&["absent.npy", "n.npy"], "absent.npy: cannot be read");
     place.refused(&["m.yaml", "n.yaml", "--mode", "raw", "--negate"], "--negate: must not stand with --mode raw");
+    place.refused(&["m.yaml", "n.npy", "--mode", "raw"], "--mode: must stand with an image to write, not .npy");
+    place.refused(&["m.yaml", "n.npy", "--negate"], "--negate: must stand with an image to write, not .npy");
+    place.refused(&["m.yml", "n.npy"], "there is no such file (did you mean `m.yaml`?)");
     place.refused(&["m.yaml", "n.yaml", "--free-thresh", "0.7"], "--free-thresh: 0.7: must be at most");
     place.refused(
         &["m.yaml", "n.yaml", "--free-thresh", "0.5", "--occupied-thresh", "0.501"],

@@ -269,6 +269,47 @@ fn where_beams_go_and_which_gaps_are_bridged_is_an_option() {
 }
 
 #[test]
+fn options_without_effect_are_warned_of() {
+    let (folder, log, _) = with_log(&room());
+    let told = |log: &str, arguments: &[&str]| {
+        let arguments = [&[log, "--mappers", "prior", "--grid", "0.2", "--out", "o"], arguments].concat();
+        checked(0, &arguments, &replay(folder.path(), &arguments)).1
+    };
+    let camera =
+        told("room.log.gz", &["--focal-baseline", "15", "--disparity-sigma=1", "--max-gap", "1", "--hit", "0.9"]);
+    let warning =
+        "warning: --focal-baseline, --disparity-sigma: have no effect on room.log.gz, a log of a laser; leave out";
+    assert!(camera.contains(warning), "{camera}");
+    assert!(camera.contains("warning: --max-gap: has no effect on room.log.gz"), "{camera}");
+    assert!(!camera.contains("--hit"), "{camera}");
+    // The usual value, not given, is not warned of.
+    assert!(!told("room.log.gz", &["--hit", "0.9"]).contains("no effect"));
+
+    let mut table = "scan,time_s,x_m,y_m,theta_rad,bearing_rad,disparity_px\n".to_owned();
+    for (scan, _) in log.lines().enumerate().take(30) {
+        for beam in -5..=5 {
+            let bearing = f64::from(beam) * 0.05;
+            let _ = writeln!(
+                table,
+                "{scan},{scan},{},0,0,{bearing},{}",
+                scan as f64 * 0.01,
+                15.0 / (3.0 - scan as f64 * 0.01)
+            );
+        }
+    }
+    fs::write(folder.path().join("camera.csv"), &table).expect("writable");
+    let laser = told("camera.csv", &["--hit", "0.9", "--fov", "90", "--correct-match", "0.7"]);
+    assert!(laser.contains("warning: --hit, --fov: have no effect on camera.csv, a log of a stereo camera"), "{laser}");
+    let ranges = table.replace("disparity_px", "range_m");
+    fs::write(folder.path().join("ranges.csv"), ranges).expect("writable");
+    let fan = told("ranges.csv", &["--fov", "90"]);
+    assert!(
+        fan.contains("warning: --fov: has no effect on ranges.csv, a table, which has the bearing of every beam"),
+        "{fan}"
+    );
+}
+
+#[test]
 fn scans_that_do_not_fit_together_are_warned_of_and_others_are_not() {
     let (folder, log, _) = with_log(&room());
     let edited = |name: &str, pose: &dyn Fn(f64, [f64; 3]) -> [f64; 3]| {

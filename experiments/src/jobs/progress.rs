@@ -1,27 +1,36 @@
-//! A progress bar on stderr that shows how the maps are doing.
+//! Progress on stderr: a bar in a terminal; elsewhere a line, where the work will take longer than a minute.
 
 use std::sync::Mutex;
-use std::time::Duration;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// Progress of several mappers over their scans. Silent where stderr is not a terminal.
+use crate::output::note;
+
+/// So long the pace is watched before it is told what is left.
+const WATCHED: Duration = Duration::from_secs(5);
+
+/// What takes no longer is not told.
+const SHORT: Duration = Duration::from_secs(60);
+
+/// Progress of several mappers over their scans.
 pub struct Progress {
-    bar: ProgressBar,
+    bar: Bar,
     losses: Mutex<Vec<(String, Option<f64>)>>,
 }
 
 impl Progress {
     /// A bar over `scans` updates in all, of the mappers with the given names.
     pub fn new(scans: usize, mappers: &[&str]) -> Self {
-        let bar = bar(scans as u64, "{bar:32} {pos}/{len} scans, {eta} left\n{wide_msg}");
+        let bar = Bar::new(scans as u64, "{bar:32} {pos}/{len} scans, {eta} left\n{wide_msg}");
         Self { bar, losses: Mutex::new(mappers.iter().map(|name| ((*name).to_owned(), None)).collect()) }
     }
 
     /// One more scan is in the map of `mapper`, which now has this log loss (nats per cell).
     pub fn step(&self, mapper: usize, log_loss: Option<f64>) {
         self.bar.inc(1);
-        if self.bar.is_hidden() {
+        if self.bar.shown.is_hidden() {
             return;
         }
         let Ok(mut losses) = self.losses.lock() else { return };
@@ -30,39 +39,39 @@ impl Progress {
             Some(loss) => format!("{name} {loss:.3}"),
             None => format!("{name} -"),
         });
-        self.bar.set_message(format!("log loss: {}", shown.collect::<Vec<_>>().join(", ")));
+        self.bar.shown.set_message(format!("log loss: {}", shown.collect::<Vec<_>>().join(", ")));
     }
 
     /// Takes the bar away.
     pub fn finish(&self) {
-        self.bar.finish_and_clear();
+        self.bar.shown.finish_and_clear();
     }
 }
 
-/// Progress over things of one kind. Silent where stderr is not a terminal.
+/// Progress over things of one kind.
 pub struct Count {
-    bar: ProgressBar,
+    bar: Bar,
 }
 
 impl Count {
     /// A bar over so many worlds, with what is left.
     pub fn worlds(worlds: usize) -> Self {
-        Self { bar: bar(worlds as u64, "{bar:32} {pos}/{len} worlds, {elapsed}, {eta} left") }
+        Self { bar: Bar::new(worlds as u64, "{bar:32} {pos}/{len} worlds, {elapsed}, {eta} left") }
     }
 
     /// A bar over so many measurements, of which some take long.
     pub fn measurements(measurements: usize) -> Self {
-        Self { bar: bar(measurements as u64, "{bar:32} {pos}/{len} measurements, {elapsed}") }
+        Self { bar: Bar::new(measurements as u64, "{bar:32} {pos}/{len} measurements, {elapsed}") }
     }
 
     /// A count of settings, of which nobody knows how many there will be.
     pub fn settings() -> Self {
-        Self { bar: bar(0, "{spinner} {pos} settings tried, {elapsed}") }
+        Self { bar: Bar::new(0, "{spinner} {pos} settings tried, {elapsed}") }
     }
 
     /// A bar over the scans of a log, with their rate.
     pub fn scans(scans: u64) -> Self {
-        Self { bar: bar(scans, "{bar:32} {pos}/{len} scans, {per_sec:.0}, {eta} left") }
+        Self { bar: Bar::new(scans, "{bar:32} {pos}/{len} scans, {per_sec:.0}, {eta} left") }
     }
 
     /// One more is finished.
@@ -72,7 +81,7 @@ impl Count {
 
     /// Takes the bar away.
     pub fn finish(&self) {
-        self.bar.finish_and_clear();
+        self.bar.shown.finish_and_clear();
     }
 }
 
@@ -134,29 +143,62 @@ impl Drop for Doing {
     }
 }
 
-/// Progress over the jobs of a sweep, with their rate and what is left. Silent where stderr is not a terminal.
+/// Progress over the jobs of a sweep, with their rate and what is left.
 pub struct Jobs {
-    bar: ProgressBar,
+    bar: Bar,
 }
 
 impl Jobs {
     /// A bar over so many jobs.
     pub fn new(jobs: u64) -> Self {
-        Self { bar: bar(jobs, "{bar:28} {pos}/{len} jobs, {per_sec:.1}, {eta} left{msg}") }
+        Self { bar: Bar::new(jobs, "{bar:28} {pos}/{len} jobs, {per_sec:.1}, {eta} left{msg}") }
     }
 
     /// So many more are finished; of all so far, so many rows have an error.
     pub fn step(&self, jobs: u64, failed: u64) {
         self.bar.inc(jobs);
         if failed > 0 {
-            self.bar.set_message(format!(", {failed} failed"));
+            self.bar.shown.set_message(format!(", {failed} failed"));
         }
     }
 
     /// Takes the bar away.
     pub fn finish(&self) {
-        self.bar.finish_and_clear();
+        self.bar.shown.finish_and_clear();
     }
+}
+
+/// A bar of known length; where nobody sees it, what is left is told once, as soon as the pace is known.
+struct Bar {
+    shown: ProgressBar,
+    start: Instant,
+    told: AtomicBool,
+}
+
+impl Bar {
+    fn new(length: u64, template: &str) -> Self {
+        Self { shown: bar(length, template), start: Instant::now(), told: AtomicBool::new(false) }
+    }
+
+    fn inc(&self, by: u64) {
+        self.shown.inc(by);
+        let elapsed = self.start.elapsed();
+        if !self.shown.is_hidden() || elapsed < WATCHED || self.told.swap(true, Ordering::Relaxed) {
+            return;
+        }
+        let (done, of) = (self.shown.position(), self.shown.length().unwrap_or(0));
+        if let Some(line) = left(elapsed, done, of) {
+            note(line);
+        }
+    }
+}
+
+/// What is left after `done` of so many took `elapsed`, where that is more than a minute.
+fn left(elapsed: Duration, done: u64, of: u64) -> Option<String> {
+    let left = elapsed.checked_mul(u32::try_from(of.saturating_sub(done)).ok()?)? / u32::try_from(done.max(1)).ok()?;
+    let minutes = left.as_secs_f64() / 60.0;
+    let long = if minutes < 90.0 { format!("{minutes:.0} minutes") } else { format!("{:.0} hours", minutes / 60.0) };
+    (left > SHORT).then(|| format!("about {long} are left: {done} of {of} are done"))
 }
 
 fn bar(length: u64, template: &str) -> ProgressBar {
@@ -164,4 +206,18 @@ fn bar(length: u64, template: &str) -> ProgressBar {
     bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()));
     bar.enable_steady_tick(Duration::from_millis(200));
     bar
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_left_is_told_above_a_minute() {
+        let elapsed = Duration::from_secs(6);
+        assert_eq!(left(elapsed, 10, 100), None);
+        assert_eq!(left(elapsed, 10, 1210).as_deref(), Some("about 12 minutes are left: 10 of 1210 are done"));
+        assert_eq!(left(elapsed, 1, 1201).as_deref(), Some("about 2 hours are left: 1 of 1201 are done"));
+        assert_eq!((left(elapsed, 0, 5), left(elapsed, 5, 0)), (None, None));
+    }
 }
