@@ -15,9 +15,9 @@ const SIGMAS: f64 = 3.0;
 const FARTHEST_M: f64 = 0.5;
 
 /// Of the readings that should hit what the map holds, at least this share ends near a surface. Measured, under the map of
-/// `visibility`: 0.93 to 1 in logs of real and simulated lasers and 0.82 in those of a simulated stereo camera, but at most 0.61
-/// with poses of a drifting odometry, across a gap in which the robot turned, and with headings in degrees.
-const LEAST: f64 = 0.75;
+/// `visibility`: 0.93 to 1 in logs of real and simulated lasers and 0.79 to 0.84 in those of a simulated stereo camera, but at most
+/// 0.65 with poses of a drifting odometry, across a gap in which the robot turned, and with headings in degrees.
+const LEAST: f64 = 0.72;
 
 /// Fewer readings tell nothing.
 const FEWEST: u64 = 100;
@@ -170,9 +170,9 @@ mod tests {
     #[test]
     fn too_few_of_many_are_warned_of() {
         assert_eq!(Agreement { ends: 99, near: 0 }.warning("visibility", 1.0), None, "too few to tell");
-        assert_eq!(Agreement { ends: 100, near: 75 }.warning("visibility", 1.0), None);
-        assert_eq!(Agreement { ends: 100, near: 61 }.warning("visibility", 0.8), None, "a camera is wrong in a fifth");
-        let said = Agreement { ends: 100, near: 74 }.warning("visibility", 1.0).expect("too few");
-        assert!(said.starts_with("74.0 % of 100 readings kept back") && said.contains("raw odometry"), "{said}");
+        assert_eq!(Agreement { ends: 100, near: 72 }.warning("visibility", 1.0), None);
+        assert_eq!(Agreement { ends: 100, near: 58 }.warning("visibility", 0.8), None, "a camera is wrong in a fifth");
+        let said = Agreement { ends: 100, near: 71 }.warning("visibility", 1.0).expect("too few");
+        assert!(said.starts_with("71.0 % of 100 readings kept back") && said.contains("raw odometry"), "{said}");
     }
 }

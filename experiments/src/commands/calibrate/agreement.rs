@@ -12,8 +12,11 @@ use crate::jobs::memory;
 use crate::output::note;
 use crate::worlds::agreement::{Agreement, Spread};
 
-/// Says on stderr which share of the readings of every second scan end near the surfaces of the map of the others, as a warning
-/// where it is too small.
+/// One scan in so many is kept back, as by `replay`: a map of half of the scans lacks surfaces that a camera saw from afar.
+const KEPT_BACK: usize = 10;
+
+/// Says on stderr which share of the readings of scans kept back end near the surfaces of the map of the others, as a warning where
+/// it is too small.
 pub(super) fn tell(
     place: &str,
     scans: &[Scan],
@@ -24,7 +27,8 @@ pub(super) fn tell(
 ) {
     let mut map = FastVisibility::visibility(&Model { prior, ..Model::new(grid, Arc::clone(&sensor)) });
     let (mut seen, mut line) = (Raster::filled(grid, false), DigitalLine::default());
-    for scan in scans.iter().step_by(2) {
+    let is_kept_back = |number: usize| (number + 1).is_multiple_of(KEPT_BACK);
+    for (_, scan) in scans.iter().enumerate().filter(|(number, _)| !is_kept_back(*number)) {
         map.integrate(scan);
         for ray in scan.rays() {
             let Some(range_m) = ray.reading.and_then(|reading| sensor.range_of(reading, ray.bearing_rad)) else {
@@ -35,7 +39,8 @@ pub(super) fn tell(
         }
     }
     let of = |scan: &Scan| Agreement::of(scan, map.occupancy(), &seen, &*sensor, spread);
-    let agreement = scans.iter().skip(1).step_by(2).map(of).fold(Agreement::default(), Agreement::and);
+    let kept_back = scans.iter().skip(KEPT_BACK - 1).step_by(KEPT_BACK);
+    let agreement = kept_back.map(of).fold(Agreement::default(), Agreement::and);
     match agreement.warning("visibility", sensor.correct_match()) {
         Some(warning) => note(format_args!("warning: {place}: {warning}")),
         None if agreement.share().is_some() => {

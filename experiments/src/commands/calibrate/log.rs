@@ -33,7 +33,8 @@ const MOST_CELLS: usize = 20_000_000;
 
 /// Fits the kernel of whatever took the log.
 pub(super) fn calibrate(options: &CalibrateOptions) -> Result<Calibration, Failure> {
-    let (scans, sensor) = read(options)?;
+    let (whole, sensor) = read(options)?;
+    let scans: Vec<Scan> = whole.iter().map(|scan| thinned(scan, options.beams as usize)).collect();
     let grid = cover(&scans, &*points(sensor, options), options)?;
     let readings = scans.iter().flat_map(|scan| scan.readings.iter().flatten()).count() as u64;
     let (parameters, kind) = match sensor {
@@ -49,7 +50,8 @@ pub(super) fn calibrate(options: &CalibrateOptions) -> Result<Calibration, Failu
         let (model, prior) = setting(sensor, options, &values)?;
         Some(predicted(scans, grid, model, prior))
     };
-    tell_agreement(&scans, grid, sensor, options);
+    tell_agreement(&whole, grid, sensor, options);
+    drop(whole);
     let progress = Count::settings();
     let fit = search::fit(sought, Some(&|values| losses(&rough, values)), &|values| losses(&scans, values), &|| {
         progress.step()
@@ -72,7 +74,7 @@ pub(super) fn calibrate(options: &CalibrateOptions) -> Result<Calibration, Failu
     })
 }
 
-/// The scans that are fitted, and what took them.
+/// The scans that are fitted, with all of their beams, and what took them.
 fn read(options: &CalibrateOptions) -> Result<(Vec<Scan>, Sensor), Failure> {
     let refused = |error: logs::LogError| Failure::BadInput(error.to_string());
     let reading = logs::Options {
@@ -87,13 +89,15 @@ fn read(options: &CalibrateOptions) -> Result<(Vec<Scan>, Sensor), Failure> {
         scan.map_err(refused)?;
         all += 1;
     }
-    let every = (all / u64::from(options.scans)).max(1);
+    let most = u64::from(options.scans).min(all);
+    // The last of every so many, also where that is no whole number.
+    let takes = |number: u64| (number + 1) * most / all > number * most / all;
     let mut log = open()?;
     let mut scans = Vec::new();
     for (number, scan) in (0u64..).zip(&mut log) {
         let scan = scan.map_err(refused)?;
-        if number.is_multiple_of(every) && scans.len() < options.scans as usize {
-            scans.push(thinned(&scan, options.beams as usize));
+        if takes(number) {
+            scans.push(scan);
         }
     }
     let place = options.file.display().to_string();
