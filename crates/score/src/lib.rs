@@ -2,6 +2,7 @@
 //!
 //! # Where things are
 //!
+//! - [`resample`] brings a map into the cells of the truth.
 //! - [`Sightings`] turns noise-free casts ([`Sight`]) into the masks of every [`Region`].
 //! - [`Scorer`] compares a map with the truth over a mask and gives [`Scores`], a list of [`Metric`]s.
 //! - [`log_loss`] is the one metric cheap enough for every scan; [`reliability`] is the diagram
@@ -24,6 +25,7 @@ mod pooled;
 mod profile;
 mod ranking;
 mod region;
+mod resample;
 mod retention;
 mod scorer;
 mod scores;
@@ -39,6 +41,7 @@ pub use metric::Metric;
 pub use pooled::{PROBABILITY_EDGES, ProbabilityBin, probability_bins};
 pub use profile::{ErrorBin, ErrorProfile, LOOK_EDGES, RANGE_EDGES_M, error_profile};
 pub use region::Region;
+pub use resample::{Finer, Resampled, Resampling, meant, resample};
 pub use retention::Retention;
 pub use scorer::Scorer;
 pub use scores::Scores;
