@@ -11,6 +11,7 @@
 //! - [`error_profile`] shows where a map is wrong: error against range, or against number of looks.
 //! - [`Comparison`] says which of two methods is better, by how much and how surely; [`holm`] adjusts
 //!   for many such questions; [`Verdict`] puts the answer into a word.
+//! - [`Tiles`] says how sure the difference of two maps of one world is.
 //! - [`Summary`] is the spread of a metric over seeds.
 //! - [`threshold`] holds the probabilities at which a map is taken at its word.
 //!
@@ -32,7 +33,9 @@ mod scores;
 mod sight;
 mod statistics;
 mod summary;
+mod tally;
 pub mod threshold;
+mod tiles;
 
 pub use calibration::{BINS, Bin, reliability};
 pub use error::ScoreError;
@@ -51,6 +54,7 @@ pub use statistics::{
     StatisticsError, Verdict, holm, holm_table, series_mean,
 };
 pub use summary::Summary;
+pub use tiles::{FEWEST_TILES, TiledDifference, Tiles};
 
 #[cfg(test)]
 mod drawing;

@@ -1,0 +1,115 @@
+//! `score MAP.. --truth TRUTH`: maps of any maker against the truth.
+
+mod candidate;
+mod options;
+mod regions;
+mod rows;
+mod text;
+mod truth;
+
+pub use options::ScoreOptions;
+
+use rayon::prelude::*;
+use score::Resampling;
+
+use self::candidate::{Candidate, Scorable, names};
+use self::regions::Regions;
+use self::rows::{Difference, Row};
+use self::truth::Truth;
+use crate::failure::Failure;
+use crate::jobs::{interruption, threads};
+use crate::output::note;
+use crate::worlds::map_file::extension;
+
+/// What was found of a map.
+struct ScoredMap {
+    name: String,
+    map: Scorable,
+    how: Resampling,
+    /// Whether it has no place of its own.
+    assumed: bool,
+    rows: Vec<Row>,
+}
+
+/// All that was found.
+struct Scored {
+    maps: Vec<ScoredMap>,
+    differences: Vec<Difference>,
+    /// The regions that the terminal shows, the first of them of differences too.
+    shown: Vec<String>,
+}
+
+/// Scores the maps and prints the table.
+///
+/// # Errors
+/// Bad input, and a stdout that cannot be written.
+pub fn run(options: &ScoreOptions) -> Result<(), Failure> {
+    interruption::watch();
+    threads::limit(options.threads.count)?;
+    let names = names(&options.maps)?;
+    effective(options)?;
+    let truth = Truth::read(options)?;
+    let regions = Regions::whole(&truth);
+    let read = options.maps.par_iter().zip(&names).map(|(path, name)| Candidate::read(path, name, &truth, options));
+    let candidates = read.collect::<Vec<_>>().into_iter().collect::<Result<Vec<_>, _>>()?;
+    for candidate in &candidates {
+        candidate.warnings.iter().for_each(|warning| note(format_args!("warning: {warning}")));
+    }
+    let judged = candidates.into_par_iter().map(|candidate| scored(&candidate, &truth, &regions, options));
+    let maps = judged.collect::<Vec<_>>().into_iter().collect::<Result<Vec<_>, _>>()?;
+    let scored = Scored { differences: against_first(&maps, &truth, &regions, options)?, maps, shown: regions.shown() };
+    let rows: Vec<Row> = scored.maps.iter().flat_map(|map| map.rows.iter().cloned()).collect();
+    rows::table(&rows).print(options.print.format, || text::text(&scored, &truth, options))
+}
+
+/// A map in the cells of the truth, with its scores.
+fn scored(
+    candidate: &Candidate,
+    truth: &Truth,
+    regions: &Regions,
+    options: &ScoreOptions,
+) -> Result<ScoredMap, Failure> {
+    let map = candidate.in_cells_of(truth, &candidate.frame, options)?;
+    let rows = rows::scores(&candidate.name, &map, truth, regions, options.unknown)?;
+    Ok(ScoredMap { name: candidate.name.clone(), how: map.how, map, assumed: candidate.assumed, rows })
+}
+
+/// Every map but the first, less the first.
+fn against_first(
+    maps: &[ScoredMap],
+    truth: &Truth,
+    regions: &Regions,
+    options: &ScoreOptions,
+) -> Result<Vec<Difference>, Failure> {
+    let Some((first, others)) = maps.split_first() else { return Ok(Vec::new()) };
+    let mut found = Vec::new();
+    for other in others {
+        let pair = [(other.name.as_str(), &other.map), (first.name.as_str(), &first.map)];
+        found.extend(rows::differences(pair, truth, regions, options.unknown)?);
+    }
+    Ok(found)
+}
+
+/// Refuses options that would have no effect.
+fn effective(options: &ScoreOptions) -> Result<(), Failure> {
+    let files = || options.maps.iter().chain([&options.truth]).map(|path| extension(path));
+    let images = files().any(|form| ["pgm", "png"].contains(&form.as_str()));
+    let arrays = options.maps.iter().any(|path| extension(path) == "npy");
+    let placeless = images || files().any(|form| form == "npy");
+    let refused =
+        |name: &str, what: &str| Err(Failure::BadInput(format!("{name}: must stand with {what}; leave it out")));
+    if options.read_as.is_some() && !images {
+        return refused("--read-as", "an image without YAML");
+    }
+    if options.row_order.is_some() && !arrays {
+        return refused("--row-order", "an .npy file among the maps");
+    }
+    if (options.resolution.is_some() || options.origin.is_some()) && !placeless {
+        return refused("--resolution and --origin", "an .npy file or an image, which may say no place");
+    }
+    if options.resolution.is_some() != options.origin.is_some() {
+        let message = "--resolution and --origin: must stand together, since a place is both; give the other one too";
+        return Err(Failure::BadInput(message.to_owned()));
+    }
+    Ok(())
+}
