@@ -1,13 +1,17 @@
 //! `score MAP.. --truth TRUTH`: maps of any maker against the truth.
 
 mod candidate;
+mod figures;
 mod options;
+mod outputs;
 mod regions;
 mod rows;
 mod text;
 mod truth;
 
 pub use options::ScoreOptions;
+
+use std::path::PathBuf;
 
 use rayon::prelude::*;
 use score::Resampling;
@@ -18,6 +22,8 @@ use self::rows::{Difference, Row};
 use self::truth::Truth;
 use crate::failure::Failure;
 use crate::jobs::{interruption, threads};
+use crate::output::args::Format;
+use crate::output::folder::Staging;
 use crate::output::note;
 use crate::worlds::map_file::extension;
 
@@ -55,11 +61,29 @@ pub fn run(options: &ScoreOptions) -> Result<(), Failure> {
     for candidate in &candidates {
         candidate.warnings.iter().for_each(|warning| note(format_args!("warning: {warning}")));
     }
+    let sources: Vec<PathBuf> =
+        truth.sources.iter().chain(candidates.iter().flat_map(|candidate| &candidate.sources)).cloned().collect();
+    let open = |out: &PathBuf| Staging::open(out, &outputs::purpose(&sources.iter().collect::<Vec<_>>()));
+    let staging = options.out.as_ref().map(open).transpose()?;
     let judged = candidates.into_par_iter().map(|candidate| scored(&candidate, &truth, &regions, options));
     let maps = judged.collect::<Vec<_>>().into_iter().collect::<Result<Vec<_>, _>>()?;
     let scored = Scored { differences: against_first(&maps, &truth, &regions, options)?, maps, shown: regions.shown() };
-    let rows: Vec<Row> = scored.maps.iter().flat_map(|map| map.rows.iter().cloned()).collect();
-    rows::table(&rows).print(options.print.format, || text::text(&scored, &truth, options))
+    if let Some(mut staging) = staging {
+        outputs::write(&mut staging, &scored, &truth, regions.first(), options)?;
+        staging.publish()?;
+    }
+    rows::table(&scored.rows()).print(options.print.format, || text::text(&scored, &truth, options))?;
+    if let Some(out) = options.out.as_ref().filter(|_| options.print.format == Format::Text) {
+        note(out.join("report.html").display());
+    }
+    Ok(())
+}
+
+impl Scored {
+    /// The rows of all maps.
+    fn rows(&self) -> Vec<Row> {
+        self.maps.iter().flat_map(|map| map.rows.iter().cloned()).collect()
+    }
 }
 
 /// A map in the cells of the truth, with its scores.

@@ -46,6 +46,9 @@ pub struct ScoreOptions {
     /// Lower-left corner in metres and angle in radians, of files that do not say it
     #[arg(long, value_name = "X,Y,YAW", allow_hyphen_values = true, value_parser = origin)]
     pub origin: Option<Origin>,
+    /// Folder for tables, pictures and report, written whole or not at all [default: none is written]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
     /// How the table is printed
     #[command(flatten)]
     pub print: FormatOption,

@@ -19,6 +19,13 @@ impl Regions {
         Self { masks: std::iter::once((Region::All.name().to_owned(), all)).chain(named(truth)).collect(), surface }
     }
 
+    /// The cells of the first region that the terminal shows.
+    pub(super) fn first(&self) -> &Raster<bool> {
+        let first = self.shown().into_iter().next();
+        let found = self.masks.iter().find(|(name, _)| Some(name) == first.as_ref());
+        found.map_or(&self.surface, |(_, mask)| mask)
+    }
+
     /// The regions that the terminal shows: what could be seen, if that is known, and what the scene names.
     pub(super) fn shown(&self) -> Vec<String> {
         let parts = [Region::Visible, Region::Surface, Region::Shell, Region::Hidden].map(Region::name);

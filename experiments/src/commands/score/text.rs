@@ -4,18 +4,19 @@ use std::fmt::Write as _;
 
 use score::{Resampling, Tiles};
 
-use super::Scored;
 use super::options::{ScoreOptions, Unknown};
 use super::rows::{Difference, Row};
 use super::truth::Truth;
+use super::{Scored, ScoredMap};
 use crate::output::table::{aligned, wrapped};
+use crate::page::{Cell, Sheet};
 use crate::worlds::criteria::criterion;
 
 /// Columns of the terminal.
 const WIDTH: usize = 80;
 
 /// Longest name of a map in a table; of a longer one the end stands.
-const NAME: usize = 22;
+const NAME: usize = 17;
 
 /// What stands in the table: heading, metric, decimals.
 const COLUMNS: [(&str, &str, usize); 8] = [
@@ -70,6 +71,22 @@ pub(super) fn text(scored: &Scored, truth: &Truth, options: &ScoreOptions) -> St
     text
 }
 
+/// The table of a region, for a page.
+pub(super) fn sheet(scored: &Scored, region: &str) -> Sheet {
+    let heads = ["map"].into_iter().chain(COLUMNS.iter().map(|column| column.0)).map(str::to_owned).collect();
+    let cells = |map: &ScoredMap| {
+        let mut cells = row(&map.name, &map.rows, region);
+        cells[0].clone_from(&map.name);
+        cells.into_iter().map(Cell::from).collect()
+    };
+    Sheet {
+        caption: title(region),
+        note: "areas in m²".to_owned(),
+        heads,
+        rows: scored.maps.iter().map(cells).collect(),
+    }
+}
+
 /// Adds a paragraph in lines of the terminal's width, the second and later ones indented.
 fn say(text: &mut String, paragraph: &str) {
     for (k, line) in wrapped(paragraph, WIDTH - 2).iter().enumerate() {
@@ -93,7 +110,7 @@ fn facts(rows: &[Row], how: Resampling, assumed: bool, options: &ScoreOptions) -
         Unknown::Skip => "; they are not scored".to_owned(),
         Unknown::Occupied => "; they count as occupied".to_owned(),
     };
-    format!("{}{place}; unknown: {unknown} of {cells} known cells of the truth{beyond}{treated}", worded(how))
+    format!("{}{place}; nothing known of {unknown} of the {cells} cells of the truth{beyond}{treated}", worded(how))
 }
 
 /// A way of resampling in words.
