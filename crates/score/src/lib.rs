@@ -2,6 +2,7 @@
 //!
 //! # Where things are
 //!
+//! - [`align`] finds where a map lies best.
 //! - [`resample`] brings a map into the cells of the truth.
 //! - [`Sightings`] turns noise-free casts ([`Sight`]) into the masks of every [`Region`].
 //! - [`Scorer`] compares a map with the truth over a mask and gives [`Scores`], a list of [`Metric`]s.
@@ -17,6 +18,7 @@
 //!
 //! Sums run in index order, logarithms come from `libm`: the same input gives the same bytes.
 
+mod align;
 mod calibration;
 mod error;
 mod judged;
@@ -37,6 +39,7 @@ mod tally;
 pub mod threshold;
 mod tiles;
 
+pub use align::{AlignBound, Alignment, align};
 pub use calibration::{BINS, Bin, reliability};
 pub use error::ScoreError;
 pub use log_loss::log_loss;
