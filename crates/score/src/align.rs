@@ -177,3 +177,22 @@ fn within(place: Place, bound: &AlignBound) -> Place {
     let turn_rad = place.turn_rad.clamp(-bound.turn_rad, bound.turn_rad);
     Place { shift_m: place.shift_m.map(|v| by * v), turn_rad }
 }
+
+/// Columns and rows of the truth by which a map should be moved, from where it is said to lie and up to a cell; `None` where nothing says so.
+///
+/// # Errors
+/// Memory that the system does not give.
+pub(crate) fn nudge(
+    (map, from): (&Raster<Option<f32>>, &Frame),
+    (truth, onto): (&Raster<Option<bool>>, &Frame),
+) -> Result<Option<[f64; 2]>, NoMemory> {
+    let side_m = onto.spec.cell_m.max(from.spec.cell_m);
+    let mut level = level(map, from, truth, onto, side_m, false)?;
+    let Some(stay) = level.look(&Place::default()) else { return Ok(None) };
+    let bound = AlignBound { shift_m: side_m, turn_rad: 0.0 };
+    let found = settled(&mut level, Place::default(), &bound).filter(|(error, _)| *error < stay.error - GAIN);
+    let (sin, cos) = libm::sincos(-onto.yaw_rad);
+    Ok(found.map(|(_, Place { shift_m: [x, y], .. })| {
+        [cos * x - sin * y, sin * x + cos * y].map(|metres| metres / onto.spec.cell_m)
+    }))
+}

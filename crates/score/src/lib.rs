@@ -3,6 +3,7 @@
 //! # Where things are
 //!
 //! - [`align`] finds where a map lies best.
+//! - [`suspicion`] looks for rows in the wrong order and origins half a cell off.
 //! - [`resample`] brings a map into the cells of the truth.
 //! - [`Sightings`] turns noise-free casts ([`Sight`]) into the masks of every [`Region`].
 //! - [`Scorer`] compares a map with the truth over a mask and gives [`Scores`], a list of [`Metric`]s.
@@ -35,6 +36,7 @@ mod scores;
 mod sight;
 mod statistics;
 mod summary;
+mod suspicion;
 mod tally;
 pub mod threshold;
 mod tiles;
@@ -57,6 +59,7 @@ pub use statistics::{
     StatisticsError, Verdict, holm, holm_table, series_mean,
 };
 pub use summary::Summary;
+pub use suspicion::{Suspicion, suspicion};
 pub use tiles::{FEWEST_TILES, TiledDifference, Tiles};
 
 #[cfg(test)]
