@@ -1,5 +1,6 @@
 //! `score MAP.. --truth TRUTH`: maps of any maker against the truth.
 
+mod alignment;
 mod candidate;
 mod figures;
 mod options;
@@ -13,8 +14,9 @@ pub use options::ScoreOptions;
 
 use std::path::PathBuf;
 
+use grid::Frame;
 use rayon::prelude::*;
-use score::Resampling;
+use score::{Alignment, Resampling};
 
 use self::candidate::{Candidate, Scorable, names};
 use self::regions::Regions;
@@ -24,7 +26,7 @@ use crate::failure::Failure;
 use crate::jobs::{interruption, threads};
 use crate::output::args::Format;
 use crate::output::folder::Staging;
-use crate::output::note;
+use crate::output::{note, warn};
 use crate::worlds::map_file::extension;
 
 /// What was found of a map.
@@ -35,6 +37,9 @@ struct ScoredMap {
     /// Whether it has no place of its own.
     assumed: bool,
     rows: Vec<Row>,
+    /// Where its file says that it lies, and how it was moved.
+    alignment: Option<(Frame, Alignment)>,
+    warnings: Vec<String>,
 }
 
 /// All that was found.
@@ -58,15 +63,14 @@ pub fn run(options: &ScoreOptions) -> Result<(), Failure> {
     let regions = Regions::whole(&truth);
     let read = options.maps.par_iter().zip(&names).map(|(path, name)| Candidate::read(path, name, &truth, options));
     let candidates = read.collect::<Vec<_>>().into_iter().collect::<Result<Vec<_>, _>>()?;
-    for candidate in &candidates {
-        candidate.warnings.iter().for_each(|warning| note(format_args!("warning: {warning}")));
-    }
+    candidates.iter().for_each(|candidate| warn(&candidate.warnings));
     let sources: Vec<PathBuf> =
         truth.sources.iter().chain(candidates.iter().flat_map(|candidate| &candidate.sources)).cloned().collect();
     let open = |out: &PathBuf| Staging::open(out, &outputs::purpose(&sources.iter().collect::<Vec<_>>()));
     let staging = options.out.as_ref().map(open).transpose()?;
     let judged = candidates.into_par_iter().map(|candidate| scored(&candidate, &truth, &regions, options));
     let maps = judged.collect::<Vec<_>>().into_iter().collect::<Result<Vec<_>, _>>()?;
+    warn(&maps.iter().flat_map(|map| &map.warnings).collect::<Vec<_>>());
     let scored = Scored { differences: against_first(&maps, &truth, &regions, options)?, maps, shown: regions.shown() };
     if let Some(mut staging) = staging {
         outputs::write(&mut staging, &scored, &truth, regions.first(), options)?;
@@ -93,9 +97,26 @@ fn scored(
     regions: &Regions,
     options: &ScoreOptions,
 ) -> Result<ScoredMap, Failure> {
-    let map = candidate.in_cells_of(truth, &candidate.frame, options)?;
-    let rows = rows::scores(&candidate.name, &map, truth, regions, options.unknown)?;
-    Ok(ScoredMap { name: candidate.name.clone(), how: map.how, map, assumed: candidate.assumed, rows })
+    let name = candidate.name.as_str();
+    let alignment = alignment::best(candidate, truth, options)?;
+    let frame = alignment.map_or(candidate.frame, |alignment| alignment.of(&candidate.frame));
+    let map = candidate.in_cells_of(truth, &frame, options)?;
+    let mut rows = rows::scores(name, &map, truth, regions, options.unknown)?;
+    if let Some(alignment) = &alignment {
+        let before = candidate.in_cells_of(truth, &candidate.frame, options)?;
+        let before = rows::scores(name, &before, truth, regions, options.unknown)?;
+        rows.extend(alignment::rows(name, alignment, &before));
+    }
+    let warnings = alignment::doubts(candidate, &frame, alignment.as_ref(), truth, options)?;
+    Ok(ScoredMap {
+        name: name.to_owned(),
+        how: map.how,
+        map,
+        assumed: candidate.assumed,
+        rows,
+        alignment: alignment.map(|alignment| (candidate.frame, alignment)),
+        warnings,
+    })
 }
 
 /// Every map but the first, less the first.

@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use mapper::Prior;
 use score::Finer;
 
-use crate::output::args::{FormatOption, ThreadsOption, positive, probability};
+use crate::output::args::{FormatOption, ThreadsOption, number, positive, probability};
 use crate::worlds::map_file::{Origin, RowOrder, Shading, origin, side};
 
 /// Options of `score`.
@@ -34,6 +34,15 @@ pub struct ScoreOptions {
     /// What a cell of the truth takes of several cells of a finer map
     #[arg(long, value_enum, default_value_t)]
     pub finer: FinerCells,
+    /// Move every map to where it agrees best with the truth
+    #[arg(long, value_enum, default_value_t)]
+    pub align: Align,
+    /// How far --align may move the middle of the truth's world, m
+    #[arg(long, value_name = "M", default_value_t = 0.5, allow_negative_numbers = true, value_parser = reach)]
+    pub align_bound: f64,
+    /// How far --align rigid may turn a map either way, degrees
+    #[arg(long, value_name = "DEG", default_value_t = 5.0, allow_negative_numbers = true, value_parser = turn)]
+    pub align_turn: f64,
     /// What the shades of images without YAML mean [default: trinary]
     #[arg(long, value_enum, value_name = "MODE")]
     pub read_as: Option<Shading>,
@@ -69,6 +78,26 @@ pub enum Unknown {
     Occupied,
 }
 
+/// How a map may be moved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum Align {
+    /// not at all
+    #[default]
+    None,
+    /// without a turn
+    Shift,
+    /// with a turn
+    Rigid,
+}
+
+fn reach(text: &str) -> Result<f64, String> {
+    number(text, "of metres above 0, at most 100", |value| value > 0.0 && value <= 100.0)
+}
+
+fn turn(text: &str) -> Result<f64, String> {
+    number(text, "of degrees above 0, at most 45", |value| value > 0.0 && value <= 45.0)
+}
+
 /// Names of [`Finer`] on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
 pub enum FinerCells {
@@ -88,6 +117,17 @@ impl From<FinerCells> for Finer {
     }
 }
 
+impl Align {
+    /// The name on the command line.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Shift => "shift",
+            Self::Rigid => "rigid",
+        }
+    }
+}
+
 impl Unknown {
     /// The name on the command line.
     pub(super) fn name(self) -> &'static str {
@@ -103,6 +143,9 @@ const HOW: &str = "\
 Maps are scored in the cells of the truth. A map with other cells is brought into them: a coarser one gives the value of its cell about the centre of the truth's \
 cell, a finer one the mean (--finer) over points spread evenly over it. Cells whose truth is not known are never scored. A map without a place lies where the \
 truth does if it has as many rows and columns.
+
+--align looks for the greatest correlation of map and truth, both smoothed by a Gaussian of a cell, where both are known. The map turns about the middle of the \
+truth (align_turn, degrees, counter-clockwise) and then moves (align_x, align_y, m); unaligned_log_loss, unaligned_brier and unaligned_iou are the scores before.
 
 Without --scans every known cell of the truth is scored, region `all`, and every occupied cell can be missed (missed_area). Metrics are those of `room` but for \
 retention, which needs a map after every scan; `known` is the share of the region of which the map knows something, `outside` the share beyond its border.

@@ -125,6 +125,10 @@ fn configuration(scored: &Scored, options: &ScoreOptions) -> Value {
         "unknown": options.unknown.name(),
         "prior": options.prior,
         "finer": score::Finer::from(options.finer),
+        "align": options.align.name(),
+        "align_bound_m": options.align_bound,
+        "align_bound_deg": options.align_turn,
+        "alignments": scored.maps.iter().map(|map| map.alignment.map(|(_, moved)| json!(moved))).collect::<Vec<_>>(),
         "row_order_top": options.row_order == Some(crate::worlds::map_file::RowOrder::Top),
         "place": place.map(|(cell_m, at)| json!({ "cell_m": cell_m, "origin_m": at.corner_m, "yaw_rad": at.yaw_rad })),
     })

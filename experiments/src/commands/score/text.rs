@@ -7,7 +7,7 @@ use score::{Resampling, Tiles};
 use super::options::{ScoreOptions, Unknown};
 use super::rows::{Difference, Row};
 use super::truth::Truth;
-use super::{Scored, ScoredMap};
+use super::{Scored, ScoredMap, alignment};
 use crate::output::table::{aligned, wrapped};
 use crate::page::{Cell, Sheet};
 use crate::worlds::criteria::criterion;
@@ -58,6 +58,15 @@ pub(super) fn text(scored: &Scored, truth: &Truth, options: &ScoreOptions) -> St
     for map in &scored.maps {
         let how = format!("{}: {}", map.name, facts(&map.rows, map.how, map.assumed, options));
         say(&mut text, &how);
+        if let Some((frame, moved)) = &map.alignment {
+            let was = |metric: &str| find(&map.rows, "all", metric).and_then(|row| row.metric.value);
+            let change = |before: &str, now: &str| {
+                was(before).zip(was(now)).map_or_else(|| "-".to_owned(), |(b, n)| format!("{b:.4} before, {n:.4} now"))
+            };
+            let found = alignment::worded(moved, frame, spec.cell_m);
+            let [loss, iou] = [("unaligned_log_loss", "log_loss"), ("unaligned_iou", "iou")].map(|(b, n)| change(b, n));
+            say(&mut text, &format!("  {found}; log loss {loss}, IoU {iou}"));
+        }
     }
     for region in &scored.shown {
         let _ = writeln!(text, "\n{} (areas in m²)", title(region));
