@@ -16,6 +16,7 @@ use crate::commands::replay::{self, ReplayOptions};
 use crate::commands::report::{self, ReportOptions};
 use crate::commands::room::{self, RoomOptions};
 use crate::commands::scene::{self, SceneCommand};
+use crate::commands::score::{self, ScoreOptions};
 use crate::commands::sensor::{self, SensorOptions};
 use crate::commands::speed::{self, SpeedOptions};
 use crate::commands::sweep::{self, SweepOptions};
@@ -62,6 +63,8 @@ enum Command {
     Speed(SpeedOptions),
     /// Map what a real robot recorded, and score the maps by how well they predict scans kept back
     Replay(Box<ReplayOptions>),
+    /// Score maps of any maker against the truth: a scene, or a map that is believed
+    Score(Box<ScoreOptions>),
     /// Fit a sensor's kernel and the prior to a log, or to disparities with known truth
     Calibrate(CalibrateOptions),
     /// Make the page of a folder of results anew, from what the folder says it was made from
@@ -106,6 +109,7 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Sensor(options) => sensor::run(&options),
         Command::Speed(options) => speed::run(&options),
         Command::Replay(options) => replay::run(&options),
+        Command::Score(options) => score::run(&options),
         Command::Calibrate(options) => calibrate::run(&options),
         Command::Report(options) => report::run(&options, &PAGES),
         Command::Convert(options) => convert::run(&options),

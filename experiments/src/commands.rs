@@ -12,6 +12,7 @@ pub mod replay;
 pub mod report;
 pub mod room;
 pub mod scene;
+pub mod score;
 pub mod sensor;
 pub mod speed;
 pub mod sweep;

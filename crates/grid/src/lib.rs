@@ -5,17 +5,20 @@
 //! counter-clockwise from the x axis.
 //!
 //! - [`GridSpec`] says where the cells are.
+//! - [`Frame`] is a grid that may be turned, with the way from its cells to those of another.
 //! - [`DigitalLine`] lists the cells that a viewing ray crosses, 4-connected, with the range at
 //!   which it enters and leaves each (Figure 2 of the paper).
 //! - [`Raster`] is one value per cell; [`npy`] writes it for numpy and reads it back.
 //! - [`ros_map`] reads the maps that robots save, and writes them, as ROS map_server and nav2_map_server do.
 
+mod frame;
 mod line;
 pub mod npy;
 mod raster;
 pub mod ros_map;
 mod spec;
 
+pub use frame::{CellsToCells, Frame};
 pub use line::DigitalLine;
 pub use raster::{NoMemory, Raster};
 pub use spec::{GridError, GridSpec};

@@ -2,6 +2,9 @@
 //!
 //! # Where things are
 //!
+//! - [`align`] finds where a map lies best.
+//! - [`suspicion`] looks for rows in the wrong order and origins half a cell off.
+//! - [`resample`] brings a map into the cells of the truth.
 //! - [`Sightings`] turns noise-free casts ([`Sight`]) into the masks of every [`Region`].
 //! - [`Scorer`] compares a map with the truth over a mask and gives [`Scores`], a list of [`Metric`]s.
 //! - [`log_loss`] is the one metric cheap enough for every scan; [`reliability`] is the diagram
@@ -10,11 +13,13 @@
 //! - [`error_profile`] shows where a map is wrong: error against range, or against number of looks.
 //! - [`Comparison`] says which of two methods is better, by how much and how surely; [`holm`] adjusts
 //!   for many such questions; [`Verdict`] puts the answer into a word.
+//! - [`Tiles`] says how sure the difference of two maps of one world is.
 //! - [`Summary`] is the spread of a metric over seeds.
 //! - [`threshold`] holds the probabilities at which a map is taken at its word.
 //!
 //! Sums run in index order, logarithms come from `libm`: the same input gives the same bytes.
 
+mod align;
 mod calibration;
 mod error;
 mod judged;
@@ -24,14 +29,19 @@ mod pooled;
 mod profile;
 mod ranking;
 mod region;
+mod resample;
 mod retention;
 mod scorer;
 mod scores;
 mod sight;
 mod statistics;
 mod summary;
+mod suspicion;
+mod tally;
 pub mod threshold;
+mod tiles;
 
+pub use align::{AlignBound, Alignment, align};
 pub use calibration::{BINS, Bin, reliability};
 pub use error::ScoreError;
 pub use log_loss::log_loss;
@@ -39,6 +49,7 @@ pub use metric::Metric;
 pub use pooled::{PROBABILITY_EDGES, ProbabilityBin, probability_bins};
 pub use profile::{ErrorBin, ErrorProfile, LOOK_EDGES, RANGE_EDGES_M, error_profile};
 pub use region::Region;
+pub use resample::{Finer, Resampled, Resampling, meant, resample};
 pub use retention::Retention;
 pub use scorer::Scorer;
 pub use scores::Scores;
@@ -48,6 +59,8 @@ pub use statistics::{
     StatisticsError, Verdict, holm, holm_table, series_mean,
 };
 pub use summary::Summary;
+pub use suspicion::{Suspicion, suspicion};
+pub use tiles::{FEWEST_TILES, TiledDifference, Tiles};
 
 #[cfg(test)]
 mod drawing;

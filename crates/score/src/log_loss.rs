@@ -51,6 +51,18 @@ impl LogLoss {
         }
     }
 
+    /// Takes in other cells.
+    pub(crate) fn merge(&mut self, other: &Self) {
+        // The logarithm of a settled one is taken.
+        self.sum += if other.product < 1.0 { other.sum - libm::log(other.product) } else { other.sum };
+        self.cells += other.cells;
+    }
+
+    /// The same with its logarithm taken, so that merging it is one addition.
+    pub(crate) fn settled(&self) -> Self {
+        Self { sum: self.sum - libm::log(self.product), product: 1.0, cells: self.cells }
+    }
+
     pub(crate) fn metric(&self) -> Metric {
         Metric::mean("log_loss", "nats/cell", self.sum - libm::log(self.product), self.cells)
     }

@@ -4,17 +4,16 @@ use grid::Raster;
 
 use crate::calibration::{BINS, calibration_error_sum, equal_count_bins};
 use crate::error::same_cells;
-use crate::judged::{Judged, judged};
-use crate::log_loss::LogLoss;
+use crate::judged::judged;
 use crate::ranking::{auc, ranked};
-use crate::threshold::{DECIDED_OCCUPIED, HELD_FREE, HELD_OCCUPIED};
+use crate::tally::Tally;
 use crate::{Metric, ScoreError, Scores};
 
 /// What maps are judged by: the truth, and which cells could be seen as surfaces.
 #[derive(Debug, Clone, Copy)]
 pub struct Scorer<'a> {
-    truth: &'a Raster<Option<bool>>,
-    surface: &'a Raster<bool>,
+    pub(crate) truth: &'a Raster<Option<bool>>,
+    pub(crate) surface: &'a Raster<bool>,
 }
 
 impl<'a> Scorer<'a> {
@@ -40,64 +39,10 @@ impl<'a> Scorer<'a> {
         }
         let ties = ranked(judged(map, self.truth, mask)?);
         let error_sum = calibration_error_sum(&equal_count_bins(&ties, BINS));
-        let t = &tally;
-        let cells = t.free + t.occupied;
-        let area = self.truth.spec().cell_area_m2();
-        Ok(Scores {
-            log_loss: t.log_loss.metric(),
-            brier: Metric::mean("brier", "1", t.squared_error, cells),
-            ece: Metric::mean("ece", "1", error_sum, cells),
-            auc: Metric { name: "auc", value: auc(&ties), unit: "1", support: cells },
-            iou: Metric::share("iou", t.held_occupied - t.free_lost, t.occupied + t.free_lost),
-            decided: Metric::share("decided", t.held_free + t.decided_occupied, cells),
-            free_agreement: Metric::share("free_agreement", t.free_known, t.held_free),
-            occupied_agreement: Metric::share("occupied_agreement", t.occupied_known, t.decided_occupied),
-            phantom_area: Metric::area("phantom_area", t.free_lost, t.free, area),
-            missed_area: Metric::area("missed_area", t.missed, t.surface, area),
-            free_known: Metric::share("free_known", t.free_known, t.free),
-            free_lost: Metric::share("free_lost", t.free_lost, t.free),
-        })
-    }
-}
-
-/// Counts and sums over the judged cells, in index order.
-#[derive(Default)]
-struct Tally {
-    log_loss: LogLoss,
-    squared_error: f64,
-    /// Truly free; truly occupied; of these, surface.
-    free: usize,
-    occupied: usize,
-    surface: usize,
-    /// What the map says: p < 0.2; p > 0.5; p > 0.8.
-    held_free: usize,
-    held_occupied: usize,
-    decided_occupied: usize,
-    /// Truly free with p < 0.2; truly free with p > 0.5; truly occupied with p > 0.8; surface with p < 0.2.
-    free_known: usize,
-    free_lost: usize,
-    occupied_known: usize,
-    missed: usize,
-}
-
-impl Tally {
-    fn add(&mut self, Judged { p, occupied, .. }: Judged, surface: bool) {
-        let held_free = p < HELD_FREE;
-        let held_occupied = p > HELD_OCCUPIED;
-        let decided_occupied = p > DECIDED_OCCUPIED;
-        let error = p - f64::from(u8::from(occupied));
-        self.log_loss.add(p, occupied);
-        self.squared_error += error * error;
-        self.free += usize::from(!occupied);
-        self.occupied += usize::from(occupied);
-        self.surface += usize::from(occupied && surface);
-        self.held_free += usize::from(held_free);
-        self.held_occupied += usize::from(held_occupied);
-        self.decided_occupied += usize::from(decided_occupied);
-        self.free_known += usize::from(!occupied && held_free);
-        self.free_lost += usize::from(!occupied && held_occupied);
-        self.occupied_known += usize::from(occupied && decided_occupied);
-        self.missed += usize::from(occupied && surface && held_free);
+        let cells = tally.cells();
+        let ece = Metric::mean("ece", "1", error_sum, cells);
+        let auc = Metric { name: "auc", value: auc(&ties), unit: "1", support: cells };
+        Ok(tally.scores(self.truth.spec().cell_area_m2(), ece, auc))
     }
 }
 

@@ -1,7 +1,6 @@
 //! `convert IN OUT`: maps from one form into another.
 
 mod input;
-mod map;
 mod options;
 mod output;
 
@@ -11,13 +10,12 @@ use std::path::{Path, PathBuf};
 
 use grid::ros_map::{Coding, Mode, Thresholds};
 
-use self::map::{Map, extension, graded};
-use self::options::{Origin, Shading};
 use crate::failure::Failure;
 use crate::jobs::interruption;
 use crate::output::single::{self, Existing, Whole};
 use crate::output::table;
 use crate::output::{note, warn};
+use crate::worlds::map_file::{MapFile, Shading, extension};
 
 /// Reads a map, writes it, and prints what was written.
 ///
@@ -81,7 +79,7 @@ fn effective(options: &ConvertOptions, kind: output::Kind) -> Result<(), Failure
 
 /// A map that marks no cell as unknown, and whose free cells mostly hold one value: probably that of cells that nobody
 /// has seen.
-fn unseen_as_free(map: &Map, thresholds: &Thresholds) -> Option<String> {
+fn unseen_as_free(map: &MapFile, thresholds: &Thresholds) -> Option<String> {
     let cells = map.occupancy.values();
     if cells.iter().any(Option::is_none) {
         return None;
@@ -102,7 +100,7 @@ fn unseen_as_free(map: &Map, thresholds: &Thresholds) -> Option<String> {
     })
 }
 
-fn summary(map: &Map, kind: output::Kind, options: &ConvertOptions, coding: &Coding, files: &[Whole]) -> String {
+fn summary(map: &MapFile, kind: output::Kind, options: &ConvertOptions, coding: &Coding, files: &[Whole]) -> String {
     let spec = map.occupancy.spec();
     let states = map.occupancy.map(|&share| coding.thresholds.state(share));
     let count = |state: Option<bool>| states.values().iter().filter(|s| **s == state).count();
@@ -132,4 +130,9 @@ fn summary(map: &Map, kind: output::Kind, options: &ConvertOptions, coding: &Cod
         text += &format!("it says no place; to read it, --resolution {} --origin {x},{y},{yaw_rad}\n", spec.cell_m);
     }
     text
+}
+
+/// Cells of which a state does not say all.
+fn graded(map: &MapFile) -> usize {
+    map.occupancy.values().iter().flatten().filter(|share| **share > 0.0 && **share < 1.0).count()
 }

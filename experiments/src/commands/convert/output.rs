@@ -5,9 +5,10 @@ use std::path::Path;
 use grid::ros_map::{self, Coding, Mode, Shades};
 use grid::{Raster, npy};
 
-use super::{ConvertOptions, Map, extension, graded};
+use super::{ConvertOptions, graded};
 use crate::failure::Failure;
 use crate::output::single::Whole;
+use crate::worlds::map_file::{MapFile, extension};
 
 /// What is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,7 +36,12 @@ impl Kind {
 }
 
 /// The files of a map, an image before the YAML file that names it.
-pub(super) fn files(map: &Map, kind: Kind, options: &ConvertOptions, coding: &Coding) -> Result<Vec<Whole>, Failure> {
+pub(super) fn files(
+    map: &MapFile,
+    kind: Kind,
+    options: &ConvertOptions,
+    coding: &Coding,
+) -> Result<Vec<Whole>, Failure> {
     let out = options.output.as_path();
     let mut bytes = Vec::new();
     match kind {
@@ -62,7 +68,7 @@ pub(super) fn files(map: &Map, kind: Kind, options: &ConvertOptions, coding: &Co
 }
 
 /// Image and YAML file.
-fn pair(map: &Map, coding: &Coding, out: &Path) -> Result<Vec<Whole>, Failure> {
+fn pair(map: &MapFile, coding: &Coding, out: &Path) -> Result<Vec<Whole>, Failure> {
     let Some((spec, yaw_rad)) = map.place else {
         return Err(Failure::BadInput(format!(
             "{}: has no resolution and origin, which the YAML file must say; give --resolution M and --origin X,Y,YAW",
@@ -86,6 +92,6 @@ fn pair(map: &Map, coding: &Coding, out: &Path) -> Result<Vec<Whole>, Failure> {
     Ok(vec![Whole { path: image, bytes }, Whole { path: yaml, bytes: text.into_bytes() }])
 }
 
-fn shades(map: &Map, coding: &Coding, out: &Path) -> Result<Shades, Failure> {
+fn shades(map: &MapFile, coding: &Coding, out: &Path) -> Result<Shades, Failure> {
     Shades::of(&map.occupancy, coding).map_err(|error| Failure::BadInput(format!("{}: {error}", out.display())))
 }

@@ -1,0 +1,160 @@
+//! `score MAP.. --truth TRUTH`: maps of any maker against the truth.
+
+mod alignment;
+mod candidate;
+mod figures;
+mod options;
+mod outputs;
+mod regions;
+mod rows;
+mod text;
+mod truth;
+
+pub use options::ScoreOptions;
+
+use std::path::PathBuf;
+
+use grid::Frame;
+use rayon::prelude::*;
+use score::{Alignment, Resampling};
+
+use self::candidate::{Candidate, Scorable, names};
+use self::regions::Regions;
+use self::rows::{Difference, Row};
+use self::truth::Truth;
+use crate::failure::Failure;
+use crate::jobs::{interruption, threads};
+use crate::output::args::Format;
+use crate::output::folder::Staging;
+use crate::output::{note, warn};
+use crate::worlds::map_file::extension;
+
+/// What was found of a map.
+struct ScoredMap {
+    name: String,
+    map: Scorable,
+    how: Resampling,
+    /// Whether it has no place of its own.
+    assumed: bool,
+    rows: Vec<Row>,
+    /// Where its file says that it lies, and how it was moved.
+    alignment: Option<(Frame, Alignment)>,
+    warnings: Vec<String>,
+}
+
+/// All that was found.
+struct Scored {
+    maps: Vec<ScoredMap>,
+    differences: Vec<Difference>,
+    /// The regions that the terminal shows, the first of them of differences too.
+    shown: Vec<String>,
+}
+
+/// Scores the maps and prints the table.
+///
+/// # Errors
+/// Bad input, and a stdout that cannot be written.
+pub fn run(options: &ScoreOptions) -> Result<(), Failure> {
+    interruption::watch();
+    threads::limit(options.threads.count)?;
+    let names = names(&options.maps)?;
+    effective(options)?;
+    let truth = Truth::read(options)?;
+    let regions = Regions::whole(&truth);
+    let read = options.maps.par_iter().zip(&names).map(|(path, name)| Candidate::read(path, name, &truth, options));
+    let candidates = read.collect::<Vec<_>>().into_iter().collect::<Result<Vec<_>, _>>()?;
+    candidates.iter().for_each(|candidate| warn(&candidate.warnings));
+    let sources: Vec<PathBuf> =
+        truth.sources.iter().chain(candidates.iter().flat_map(|candidate| &candidate.sources)).cloned().collect();
+    let open = |out: &PathBuf| Staging::open(out, &outputs::purpose(&sources.iter().collect::<Vec<_>>()));
+    let staging = options.out.as_ref().map(open).transpose()?;
+    let judged = candidates.into_par_iter().map(|candidate| scored(&candidate, &truth, &regions, options));
+    let maps = judged.collect::<Vec<_>>().into_iter().collect::<Result<Vec<_>, _>>()?;
+    warn(&maps.iter().flat_map(|map| &map.warnings).collect::<Vec<_>>());
+    let scored = Scored { differences: against_first(&maps, &truth, &regions, options)?, maps, shown: regions.shown() };
+    if let Some(mut staging) = staging {
+        outputs::write(&mut staging, &scored, &truth, regions.first(), options)?;
+        staging.publish()?;
+    }
+    rows::table(&scored.rows()).print(options.print.format, || text::text(&scored, &truth, options))?;
+    if let Some(out) = options.out.as_ref().filter(|_| options.print.format == Format::Text) {
+        note(out.join("report.html").display());
+    }
+    Ok(())
+}
+
+impl Scored {
+    /// The rows of all maps.
+    fn rows(&self) -> Vec<Row> {
+        self.maps.iter().flat_map(|map| map.rows.iter().cloned()).collect()
+    }
+}
+
+/// A map in the cells of the truth, with its scores.
+fn scored(
+    candidate: &Candidate,
+    truth: &Truth,
+    regions: &Regions,
+    options: &ScoreOptions,
+) -> Result<ScoredMap, Failure> {
+    let name = candidate.name.as_str();
+    let alignment = alignment::best(candidate, truth, options)?;
+    let frame = alignment.map_or(candidate.frame, |alignment| alignment.of(&candidate.frame));
+    let map = candidate.in_cells_of(truth, &frame, options)?;
+    let mut rows = rows::scores(name, &map, truth, regions, options.unknown)?;
+    if let Some(alignment) = &alignment {
+        let before = candidate.in_cells_of(truth, &candidate.frame, options)?;
+        let before = rows::scores(name, &before, truth, regions, options.unknown)?;
+        rows.extend(alignment::rows(name, alignment, &before));
+    }
+    let warnings = alignment::doubts(candidate, &frame, alignment.as_ref(), truth, options)?;
+    Ok(ScoredMap {
+        name: name.to_owned(),
+        how: map.how,
+        map,
+        assumed: candidate.assumed,
+        rows,
+        alignment: alignment.map(|alignment| (candidate.frame, alignment)),
+        warnings,
+    })
+}
+
+/// Every map but the first, less the first.
+fn against_first(
+    maps: &[ScoredMap],
+    truth: &Truth,
+    regions: &Regions,
+    options: &ScoreOptions,
+) -> Result<Vec<Difference>, Failure> {
+    let Some((first, others)) = maps.split_first() else { return Ok(Vec::new()) };
+    let mut found = Vec::new();
+    for other in others {
+        let pair = [(other.name.as_str(), &other.map), (first.name.as_str(), &first.map)];
+        found.extend(rows::differences(pair, truth, regions, options.unknown)?);
+    }
+    Ok(found)
+}
+
+/// Refuses options that would have no effect.
+fn effective(options: &ScoreOptions) -> Result<(), Failure> {
+    let files = || options.maps.iter().chain([&options.truth]).map(|path| extension(path));
+    let images = files().any(|form| ["pgm", "png"].contains(&form.as_str()));
+    let arrays = options.maps.iter().any(|path| extension(path) == "npy");
+    let placeless = images || files().any(|form| form == "npy");
+    let refused =
+        |name: &str, what: &str| Err(Failure::BadInput(format!("{name}: must stand with {what}; leave it out")));
+    if options.read_as.is_some() && !images {
+        return refused("--read-as", "an image without YAML");
+    }
+    if options.row_order.is_some() && !arrays {
+        return refused("--row-order", "an .npy file among the maps");
+    }
+    if (options.resolution.is_some() || options.origin.is_some()) && !placeless {
+        return refused("--resolution and --origin", "an .npy file or an image, which may say no place");
+    }
+    if options.resolution.is_some() != options.origin.is_some() {
+        let message = "--resolution and --origin: must stand together, since a place is both; give the other one too";
+        return Err(Failure::BadInput(message.to_owned()));
+    }
+    Ok(())
+}

@@ -1,0 +1,187 @@
+//! What the terminal shows, in 80 columns.
+
+use std::fmt::Write as _;
+
+use score::{Resampling, Tiles};
+
+use super::options::{ScoreOptions, Unknown};
+use super::rows::{Difference, Row};
+use super::truth::Truth;
+use super::{Scored, ScoredMap, alignment};
+use crate::output::table::{aligned, wrapped};
+use crate::page::{Cell, Sheet};
+use crate::worlds::criteria::criterion;
+
+/// Columns of the terminal.
+const WIDTH: usize = 80;
+
+/// Longest name of a map in a table; of a longer one the end stands.
+const NAME: usize = 17;
+
+/// What stands in the table: heading, metric, decimals.
+const COLUMNS: [(&str, &str, usize); 8] = [
+    ("log loss", "log_loss", 3),
+    ("Brier", "brier", 4),
+    ("ECE", "ece", 3),
+    ("AUC", "auc", 3),
+    ("IoU", "iou", 3),
+    ("phantom", "phantom_area", 2),
+    ("missed", "missed_area", 2),
+    ("known", "known", 3),
+];
+
+/// Metrics of which differences are shown.
+const DIFFERENCES: [&str; 5] = ["log_loss", "brier", "iou", "phantom_area", "missed_area"];
+
+/// What the regions of a table are called.
+fn title(region: &str) -> String {
+    match region {
+        "all" => "All known cells".to_owned(),
+        "observable" => "All that could be seen".to_owned(),
+        other => format!("Region {other}"),
+    }
+}
+
+/// Everything: what was scored, how, the scores, and the differences.
+pub(super) fn text(scored: &Scored, truth: &Truth, options: &ScoreOptions) -> String {
+    let mut text = String::new();
+    let [free, occupied, unknown] = truth.counts();
+    let spec = &truth.frame.spec;
+    let head = format!(
+        "truth: {}, {} x {} cells of {} m: {free} free, {occupied} occupied, {unknown} not known",
+        options.truth.display(),
+        spec.width,
+        spec.height,
+        spec.cell_m
+    );
+    say(&mut text, &head);
+    for map in &scored.maps {
+        let how = format!("{}: {}", map.name, facts(&map.rows, map.how, map.assumed, options));
+        say(&mut text, &how);
+        if let Some((frame, moved)) = &map.alignment {
+            let was = |metric: &str| find(&map.rows, "all", metric).and_then(|row| row.metric.value);
+            let change = |before: &str, now: &str| {
+                was(before).zip(was(now)).map_or_else(|| "-".to_owned(), |(b, n)| format!("{b:.4} before, {n:.4} now"))
+            };
+            let found = alignment::worded(moved, frame, spec.cell_m);
+            let [loss, iou] = [("unaligned_log_loss", "log_loss"), ("unaligned_iou", "iou")].map(|(b, n)| change(b, n));
+            say(&mut text, &format!("  {found}; log loss {loss}, IoU {iou}"));
+        }
+    }
+    for region in &scored.shown {
+        let _ = writeln!(text, "\n{} (areas in m²)", title(region));
+        let heads: Vec<&str> = ["map"].into_iter().chain(COLUMNS.iter().map(|column| column.0)).collect();
+        let rows: Vec<Vec<String>> = scored.maps.iter().map(|map| row(&map.name, &map.rows, region)).collect();
+        text += &aligned(&heads, &rows);
+    }
+    if scored.maps.len() > 1 {
+        text += &differences(&scored.differences, &scored.maps[0].name, &scored.shown[0], &Tiles::of(spec));
+    }
+    text
+}
+
+/// The table of a region, for a page.
+pub(super) fn sheet(scored: &Scored, region: &str) -> Sheet {
+    let heads = ["map"].into_iter().chain(COLUMNS.iter().map(|column| column.0)).map(str::to_owned).collect();
+    let cells = |map: &ScoredMap| {
+        let mut cells = row(&map.name, &map.rows, region);
+        cells[0].clone_from(&map.name);
+        cells.into_iter().map(Cell::from).collect()
+    };
+    Sheet {
+        caption: title(region),
+        note: "areas in m²".to_owned(),
+        heads,
+        rows: scored.maps.iter().map(cells).collect(),
+    }
+}
+
+/// Adds a paragraph in lines of the terminal's width, the second and later ones indented.
+fn say(text: &mut String, paragraph: &str) {
+    for (k, line) in wrapped(paragraph, WIDTH - 2).iter().enumerate() {
+        let _ = writeln!(text, "{}{line}", if k > 0 { "  " } else { "" });
+    }
+}
+
+/// How a map came into the truth's cells, and what it does not know.
+fn facts(rows: &[Row], how: Resampling, assumed: bool, options: &ScoreOptions) -> String {
+    let of = |metric| find(rows, "all", metric);
+    let count = |metric| {
+        of(metric).map_or(0, |row| (row.metric.value.unwrap_or(0.0) * row.metric.support as f64).round() as usize)
+    };
+    let cells = of("known").map_or(0, |row| row.metric.support);
+    let place = if assumed { ", no place of its own: laid on the truth" } else { "" };
+    let (unknown, outside) = (cells - count("known"), count("outside"));
+    let beyond = if outside > 0 { format!(", {outside} of them beyond its border") } else { String::new() };
+    let treated = match options.unknown {
+        _ if unknown == 0 => String::new(),
+        Unknown::Prior => format!("; they count as occupied with probability {}", options.prior),
+        Unknown::Skip => "; they are not scored".to_owned(),
+        Unknown::Occupied => "; they count as occupied".to_owned(),
+    };
+    format!("{}{place}; nothing known of {unknown} of the {cells} cells of the truth{beyond}{treated}", worded(how))
+}
+
+/// A way of resampling in words.
+pub(super) fn worded(how: Resampling) -> String {
+    match how {
+        Resampling::CellByCell => "cell by cell".to_owned(),
+        Resampling::Nearest => "resampled, the map's cell about the centre of the truth's".to_owned(),
+        Resampling::Points { points, finer } => {
+            let of = match finer {
+                score::Finer::Mean => "mean",
+                score::Finer::Greatest => "greatest",
+            };
+            format!("resampled, {of} of {points} x {points} points a cell of the truth")
+        }
+    }
+}
+
+fn find<'a>(rows: &'a [Row], region: &str, metric: &str) -> Option<&'a Row> {
+    rows.iter().find(|row| row.region == region && row.metric.name == metric)
+}
+
+fn row(name: &str, rows: &[Row], region: &str) -> Vec<String> {
+    let value = |(_, metric, decimals): &(&str, &str, usize)| {
+        let value = find(rows, region, metric).and_then(|row| row.metric.value);
+        value.map_or_else(|| "-".to_owned(), |value| format!("{value:.decimals$}"))
+    };
+    [short(name)].into_iter().chain(COLUMNS.iter().map(value)).collect()
+}
+
+/// The end of a long name.
+fn short(name: &str) -> String {
+    let letters: Vec<char> = name.chars().collect();
+    if letters.len() <= NAME {
+        name.to_owned()
+    } else {
+        "…".to_owned() + &String::from_iter(&letters[letters.len() - NAME + 1..])
+    }
+}
+
+/// Maps minus the first map.
+fn differences(differences: &[Difference], baseline: &str, region: &str, tiles: &Tiles) -> String {
+    let here = differences.iter().filter(|row| row.region == region && DIFFERENCES.contains(&row.metric));
+    let row = |row: &Difference| {
+        let (name, decimals) = criterion(row.metric).map_or((row.metric, 3), |c| (c.title, c.decimals));
+        let signed = |value: f64| format!("{:+.decimals$}", value + 0.0);
+        let interval = row.interval.map(|i| format!("{} .. {}", signed(i.low), signed(i.high)));
+        vec![
+            short(&row.map),
+            name.to_owned(),
+            row.difference.map_or_else(|| "-".to_owned(), signed),
+            interval.unwrap_or_else(|| "-".to_owned()),
+            row.verdict().unwrap_or("-").to_owned(),
+        ]
+    };
+    let rows: Vec<Vec<String>> = here.map(row).collect();
+    let number = differences.iter().find(|row| row.region == region).map_or(0, |row| row.tiles);
+    let mut text = format!("\n{}: minus {baseline}\n", title(region));
+    text += &aligned(&["map", "metric", "difference", "95 % interval", ""], &rows);
+    let note = format!(
+        "Intervals: a bootstrap of {number} tiles of {:.2} m x {:.2} m of this one world.",
+        tiles.side_m(),
+        tiles.side_m()
+    );
+    text + &wrapped(&note, WIDTH).join("\n") + "\n"
+}
