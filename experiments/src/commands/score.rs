@@ -7,6 +7,7 @@ mod options;
 mod outputs;
 mod regions;
 mod rows;
+mod scored;
 mod text;
 mod truth;
 
@@ -14,13 +15,12 @@ pub use options::ScoreOptions;
 
 use std::path::PathBuf;
 
-use grid::Frame;
 use rayon::prelude::*;
-use score::{Alignment, Resampling};
 
-use self::candidate::{Candidate, Scorable, names};
+use self::candidate::{Candidate, names};
 use self::regions::Regions;
-use self::rows::{Difference, Row};
+use self::rows::Difference;
+use self::scored::{Scored, ScoredMap};
 use self::truth::Truth;
 use crate::failure::Failure;
 use crate::jobs::{interruption, threads};
@@ -28,27 +28,6 @@ use crate::output::args::Format;
 use crate::output::folder::Staging;
 use crate::output::{note, warn};
 use crate::worlds::map_file::extension;
-
-/// What was found of a map.
-struct ScoredMap {
-    name: String,
-    map: Scorable,
-    how: Resampling,
-    /// Whether it has no place of its own.
-    assumed: bool,
-    rows: Vec<Row>,
-    /// Where its file says that it lies, and how it was moved.
-    alignment: Option<(Frame, Alignment)>,
-    warnings: Vec<String>,
-}
-
-/// All that was found.
-struct Scored {
-    maps: Vec<ScoredMap>,
-    differences: Vec<Difference>,
-    /// The regions that the terminal shows, the first of them of differences too.
-    shown: Vec<String>,
-}
 
 /// Scores the maps and prints the table.
 ///
@@ -81,13 +60,6 @@ pub fn run(options: &ScoreOptions) -> Result<(), Failure> {
         note(out.join("report.html").display());
     }
     Ok(())
-}
-
-impl Scored {
-    /// The rows of all maps.
-    fn rows(&self) -> Vec<Row> {
-        self.maps.iter().flat_map(|map| map.rows.iter().cloned()).collect()
-    }
 }
 
 /// A map in the cells of the truth, with its scores.

@@ -147,7 +147,7 @@ truth does if it has as many rows and columns.
 --align looks for the greatest correlation of map and truth, both smoothed by a Gaussian of a cell, where both are known. The map turns about the middle of the \
 truth (align_turn, degrees, counter-clockwise) and then moves (align_x, align_y, m); unaligned_log_loss, unaligned_brier and unaligned_iou are the scores before.
 
-Without --scans every known cell of the truth is scored, region `all`, and every occupied cell can be missed (missed_area). Metrics are those of `room` but for \
+Every known cell of the truth is scored, region `all`, and every occupied cell can be missed (missed_area). Metrics are those of `room` but for \
 retention, which needs a map after every scan; `known` is the share of the region of which the map knows something, `outside` the share beyond its border.
 
 Differences are MAP minus the first MAP over the cells that both are scored on. Their 95 % intervals are those of a bootstrap of square tiles of this one \

@@ -7,8 +7,9 @@ use grid::Raster;
 use serde_json::{Value, json};
 
 use super::options::ScoreOptions;
+use super::scored::Scored;
 use super::truth::Truth;
-use super::{Scored, figures, rows, text};
+use super::{figures, rows, text};
 use crate::failure::Failure;
 use crate::output::folder::{Purpose, Staging};
 use crate::output::ledger::RECORD;

@@ -12,7 +12,7 @@ pub(super) struct Regions {
 }
 
 impl Regions {
-    /// Without scans: the whole known truth, every occupied cell of which can be missed, and what the scene names.
+    /// The whole known truth, every occupied cell of which can be missed, and what the scene names.
     pub(super) fn whole(truth: &Truth) -> Self {
         let all = truth.cells.map(Option::is_some);
         let surface = truth.cells.map(|cell| *cell == Some(true));
