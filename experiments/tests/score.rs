@@ -327,3 +327,33 @@ fn a_room_is_scored_as_room_scores_it() {
     let all = |rows: Vec<Value>| rows.into_iter().filter(|row| row["region"] == "all").collect::<Vec<_>>();
     assert_eq!(all(by_array), all(by_scene));
 }
+
+#[test]
+fn with_scans_regions_are_those_of_the_room() {
+    let place = Place::new();
+    place.put("closet.toml", closet::SCENE);
+    place.expect(0, &["room", "--scene", "closet.toml", "--mappers", "visibility", "--out", "room"]);
+    let csv = fs::read_to_string(place.path().join("room/metrics.csv")).expect("text");
+    let of_room = |region: &str, metric: &str| {
+        let row = csv.lines().find(|line| line.contains(&format!(",{region},{metric},"))).expect("a row");
+        let fields: Vec<f64> = row.split(',').skip(6).filter_map(|field| field.parse().ok()).collect();
+        [fields[0], fields[fields.len() - 1]]
+    };
+    let scans = ["--scans", "room/scans.csv"];
+    let by_scene = place.rows(&[&["room/visibility-end.npy", "--truth", "closet.toml"], &scans[..]].concat());
+    let by_cells = place.rows(&[&["room/visibility-end.npy", "--truth", "room/truth.npy"], &scans[..]].concat());
+    let of = |rows: &[Value], region: &str, metric: &str| {
+        let row = rows.iter().find(|row| row["region"] == region && row["metric"] == metric).expect("a row");
+        [row["value"].as_f64().expect("a value"), row["support"].as_f64().expect("a support")]
+    };
+    for (region, metric) in [("observable", "log_loss"), ("observable", "brier"), ("surface", "missed_area")] {
+        let [value, support] = of_room(region, metric);
+        // Poses of the table have six digits.
+        let [found, cells] = of(&by_scene, region, metric);
+        assert!((found - value).abs() < 0.01 * (0.01 + value) && (cells - support).abs() <= 2.0, "{region} {metric}");
+        // Walls of cells cover more than walls.
+        let [_, cells] = of(&by_cells, region, metric);
+        assert!((cells - support).abs() < 0.1 * support, "{region} {metric}: {cells}, not {support}");
+    }
+    place.refused(&["room/truth.npy", "--truth", "room/truth.npy", "--scans", "absent.csv"], "absent.csv");
+}

@@ -39,12 +39,20 @@ pub fn run(options: &ScoreOptions) -> Result<(), Failure> {
     let names = names(&options.maps)?;
     effective(options)?;
     let truth = Truth::read(options)?;
-    let regions = Regions::whole(&truth);
+    let regions = match &options.scans {
+        Some(scans) => Regions::seen(scans, &truth)?,
+        None => Regions::whole(&truth),
+    };
     let read = options.maps.par_iter().zip(&names).map(|(path, name)| Candidate::read(path, name, &truth, options));
     let candidates = read.collect::<Vec<_>>().into_iter().collect::<Result<Vec<_>, _>>()?;
     candidates.iter().for_each(|candidate| warn(&candidate.warnings));
-    let sources: Vec<PathBuf> =
-        truth.sources.iter().chain(candidates.iter().flat_map(|candidate| &candidate.sources)).cloned().collect();
+    let sources: Vec<PathBuf> = truth
+        .sources
+        .iter()
+        .chain(&options.scans)
+        .chain(candidates.iter().flat_map(|candidate| &candidate.sources))
+        .cloned()
+        .collect();
     let open = |out: &PathBuf| Staging::open(out, &outputs::purpose(&sources.iter().collect::<Vec<_>>()));
     let staging = options.out.as_ref().map(open).transpose()?;
     let judged = candidates.into_par_iter().map(|candidate| scored(&candidate, &truth, &regions, options));

@@ -119,6 +119,7 @@ fn configuration(scored: &Scored, options: &ScoreOptions) -> Value {
     let place = options.resolution.zip(options.origin);
     json!({
         "truth": options.truth.display().to_string(),
+        "scans": options.scans.as_ref().map(|path| path.display().to_string()),
         "layout": options.layout,
         "cell_m": options.grid,
         "maps": options.maps.iter().map(|path| path.display().to_string()).collect::<Vec<_>>(),
