@@ -7,6 +7,7 @@ mod options;
 mod outputs;
 mod regions;
 mod rows;
+mod scored;
 mod text;
 mod truth;
 
@@ -14,13 +15,12 @@ pub use options::ScoreOptions;
 
 use std::path::PathBuf;
 
-use grid::Frame;
 use rayon::prelude::*;
-use score::{Alignment, Resampling};
 
-use self::candidate::{Candidate, Scorable, names};
+use self::candidate::{Candidate, names};
 use self::regions::Regions;
-use self::rows::{Difference, Row};
+use self::rows::Difference;
+use self::scored::{Scored, ScoredMap};
 use self::truth::Truth;
 use crate::failure::Failure;
 use crate::jobs::{interruption, threads};
@@ -28,27 +28,6 @@ use crate::output::args::Format;
 use crate::output::folder::Staging;
 use crate::output::{note, warn};
 use crate::worlds::map_file::extension;
-
-/// What was found of a map.
-struct ScoredMap {
-    name: String,
-    map: Scorable,
-    how: Resampling,
-    /// Whether it has no place of its own.
-    assumed: bool,
-    rows: Vec<Row>,
-    /// Where its file says that it lies, and how it was moved.
-    alignment: Option<(Frame, Alignment)>,
-    warnings: Vec<String>,
-}
-
-/// All that was found.
-struct Scored {
-    maps: Vec<ScoredMap>,
-    differences: Vec<Difference>,
-    /// The regions that the terminal shows, the first of them of differences too.
-    shown: Vec<String>,
-}
 
 /// Scores the maps and prints the table.
 ///
@@ -60,12 +39,20 @@ pub fn run(options: &ScoreOptions) -> Result<(), Failure> {
     let names = names(&options.maps)?;
     effective(options)?;
     let truth = Truth::read(options)?;
-    let regions = Regions::whole(&truth);
+    let regions = match &options.scans {
+        Some(scans) => Regions::seen(scans, &truth)?,
+        None => Regions::whole(&truth),
+    };
     let read = options.maps.par_iter().zip(&names).map(|(path, name)| Candidate::read(path, name, &truth, options));
     let candidates = read.collect::<Vec<_>>().into_iter().collect::<Result<Vec<_>, _>>()?;
     candidates.iter().for_each(|candidate| warn(&candidate.warnings));
-    let sources: Vec<PathBuf> =
-        truth.sources.iter().chain(candidates.iter().flat_map(|candidate| &candidate.sources)).cloned().collect();
+    let sources: Vec<PathBuf> = truth
+        .sources
+        .iter()
+        .chain(&options.scans)
+        .chain(candidates.iter().flat_map(|candidate| &candidate.sources))
+        .cloned()
+        .collect();
     let open = |out: &PathBuf| Staging::open(out, &outputs::purpose(&sources.iter().collect::<Vec<_>>()));
     let staging = options.out.as_ref().map(open).transpose()?;
     let judged = candidates.into_par_iter().map(|candidate| scored(&candidate, &truth, &regions, options));
@@ -81,13 +68,6 @@ pub fn run(options: &ScoreOptions) -> Result<(), Failure> {
         note(out.join("report.html").display());
     }
     Ok(())
-}
-
-impl Scored {
-    /// The rows of all maps.
-    fn rows(&self) -> Vec<Row> {
-        self.maps.iter().flat_map(|map| map.rows.iter().cloned()).collect()
-    }
 }
 
 /// A map in the cells of the truth, with its scores.

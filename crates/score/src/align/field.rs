@@ -73,7 +73,7 @@ impl Field {
 const REACH: usize = 3;
 
 /// Smooths a raster of so many columns by a Gaussian of one cell, which is cut at three; beyond the border there is nothing.
-pub(super) fn blur(values: &mut Vec<f32>, width: usize, spare: &mut Vec<f32>) {
+pub(super) fn blur(values: &mut [f32], width: usize, spare: &mut Vec<f32>) {
     let kernel = kernel();
     let height = values.len() / width.max(1);
     spare.clear();

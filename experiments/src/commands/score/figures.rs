@@ -4,8 +4,8 @@ use grid::Raster;
 use plotters::prelude::*;
 use score::{Bin, reliability};
 
+use super::scored::{Scored, ScoredMap};
 use super::truth::Truth;
-use super::{Scored, ScoredMap};
 use crate::failure::Failure;
 use crate::figures::chart::{self, Axis, Chart, Mark, Series};
 use crate::figures::ink::{self, FAINT, INK};

@@ -25,6 +25,9 @@ pub struct ScoreOptions {
     /// Side of a cell of the truth in metres, instead of the scene's
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive)]
     pub grid: Option<f64>,
+    /// Scans of a log in the frame of the truth, such as scans.csv of `room`: regions are what their rays could see
+    #[arg(long, value_name = "FILE")]
+    pub scans: Option<PathBuf>,
     /// What a cell counts as of which a map knows nothing
     #[arg(long, value_enum, default_value_t)]
     pub unknown: Unknown,
@@ -147,7 +150,8 @@ truth does if it has as many rows and columns.
 --align looks for the greatest correlation of map and truth, both smoothed by a Gaussian of a cell, where both are known. The map turns about the middle of the \
 truth (align_turn, degrees, counter-clockwise) and then moves (align_x, align_y, m); unaligned_log_loss, unaligned_brier and unaligned_iou are the scores before.
 
-Without --scans every known cell of the truth is scored, region `all`, and every occupied cell can be missed (missed_area). Metrics are those of `room` but for \
+With --scans, maps are scored over what the rays could see, in the regions of `room`: rays are cast without noise in the scene, or in a map up to the first cell that is not known to be free. \
+Without, every known cell of the truth is scored, region `all`, and every occupied cell can be missed (missed_area). Metrics are those of `room` but for \
 retention, which needs a map after every scan; `known` is the share of the region of which the map knows something, `outside` the share beyond its border.
 
 Differences are MAP minus the first MAP over the cells that both are scored on. Their 95 % intervals are those of a bootstrap of square tiles of this one \

@@ -7,8 +7,9 @@ use grid::Raster;
 use serde_json::{Value, json};
 
 use super::options::ScoreOptions;
+use super::scored::Scored;
 use super::truth::Truth;
-use super::{Scored, figures, rows, text};
+use super::{figures, rows, text};
 use crate::failure::Failure;
 use crate::output::folder::{Purpose, Staging};
 use crate::output::ledger::RECORD;
@@ -118,6 +119,7 @@ fn configuration(scored: &Scored, options: &ScoreOptions) -> Value {
     let place = options.resolution.zip(options.origin);
     json!({
         "truth": options.truth.display().to_string(),
+        "scans": options.scans.as_ref().map(|path| path.display().to_string()),
         "layout": options.layout,
         "cell_m": options.grid,
         "maps": options.maps.iter().map(|path| path.display().to_string()).collect::<Vec<_>>(),

@@ -1,9 +1,15 @@
 //! The cells that maps are scored on.
 
-use grid::Raster;
-use score::Region;
+use std::path::Path;
+
+use grid::{DigitalLine, Raster};
+use logs::{Log, LogError, Options, Sensor};
+use scene::World;
+use score::{Region, Sight, Sightings};
 
 use super::truth::Truth;
+use crate::failure::Failure;
+use crate::worlds::reading;
 
 /// The regions in the order of tables, and the cells that can be missed.
 pub(super) struct Regions {
@@ -12,11 +18,52 @@ pub(super) struct Regions {
 }
 
 impl Regions {
-    /// Without scans: the whole known truth, every occupied cell of which can be missed, and what the scene names.
+    /// The whole known truth, every occupied cell of which can be missed, and what the scene names.
     pub(super) fn whole(truth: &Truth) -> Self {
         let all = truth.cells.map(Option::is_some);
         let surface = truth.cells.map(|cell| *cell == Some(true));
         Self { masks: std::iter::once((Region::All.name().to_owned(), all)).chain(named(truth)).collect(), surface }
+    }
+
+    /// What the rays of a log could see, cast without noise in the truth, and what the scene names.
+    ///
+    /// # Errors
+    /// A log that cannot be read; scans that see nothing of the truth.
+    pub(super) fn seen(scans: &Path, truth: &Truth) -> Result<Self, Failure> {
+        let refused = |error: LogError| Failure::BadInput(error.to_string());
+        let mut log = Log::open(scans, &Options::default()).map_err(refused)?;
+        let most_m = match log.sensor() {
+            Sensor::Laser { max_range_m, .. } => max_range_m,
+            Sensor::Stereo => f64::INFINITY,
+        };
+        let mut walls = match &truth.scene {
+            Some(scene) => Walls::World(Box::new(World::new(scene))),
+            None => Walls::Cells(&truth.cells, DigitalLine::default()),
+        };
+        let (origin_m, cell_m) = (truth.frame.spec.origin_m, truth.frame.spec.cell_m);
+        let (sin, cos) = libm::sincos(truth.frame.yaw_rad);
+        let mut sightings = Sightings::new(&truth.cells);
+        for scan in log.by_ref() {
+            for ray in scan.map_err(refused)?.rays() {
+                let [u, v] = truth.frame.to_cells(ray.origin_m);
+                let from = [origin_m[0] + u * cell_m, origin_m[1] + v * cell_m];
+                let [x, y] = ray.direction;
+                let direction = [cos * x + sin * y, -sin * x + cos * y];
+                let hit = walls.hit_m(from, direction).filter(|hit| *hit < most_m);
+                let range_m = hit.or(Some(most_m).filter(|most| most.is_finite()));
+                sightings.add(&Sight { origin_m: from, direction, range_m });
+            }
+        }
+        reading::tell(&scans.display().to_string(), log.report());
+        let observable = sightings.mask(Region::Observable);
+        if !observable.values().contains(&true) {
+            return Err(Failure::BadInput(format!(
+                "{}: its rays see no known cell of the truth; give scans whose poses are in the frame of the truth",
+                scans.display()
+            )));
+        }
+        let by_rays = Region::ALL.map(|region| (region.name().to_owned(), sightings.mask(region)));
+        Ok(Self { masks: by_rays.into_iter().chain(named(truth)).collect(), surface: sightings.surface().clone() })
     }
 
     /// The cells of the first region that the terminal shows.
@@ -31,6 +78,26 @@ impl Regions {
         let parts = [Region::Visible, Region::Surface, Region::Shell, Region::Hidden].map(Region::name);
         let names = self.masks.iter().map(|(name, _)| name).filter(|name| !parts.contains(&name.as_str()));
         names.cloned().collect()
+    }
+}
+
+/// What ends a ray: the scene's obstacles, or the cells of a map that are not known to be free.
+enum Walls<'a> {
+    World(Box<World>),
+    Cells(&'a Raster<Option<bool>>, DigitalLine),
+}
+
+impl Walls<'_> {
+    /// Range of the first hit, m.
+    fn hit_m(&mut self, origin_m: [f64; 2], direction: [f64; 2]) -> Option<f64> {
+        match self {
+            Self::World(world) => world.cast(origin_m, direction).map(|hit| hit.range_m),
+            Self::Cells(cells, line) => {
+                line.trace(cells.spec(), origin_m, direction, f64::INFINITY);
+                let met = line.cells().iter().position(|cell| cells[*cell] != Some(false))?;
+                Some(line.ranges()[met])
+            }
+        }
     }
 }
 

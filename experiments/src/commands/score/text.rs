@@ -4,10 +4,11 @@ use std::fmt::Write as _;
 
 use score::{Resampling, Tiles};
 
+use super::alignment;
 use super::options::{ScoreOptions, Unknown};
 use super::rows::{Difference, Row};
+use super::scored::{Scored, ScoredMap};
 use super::truth::Truth;
-use super::{Scored, ScoredMap, alignment};
 use crate::output::table::{aligned, wrapped};
 use crate::page::{Cell, Sheet};
 use crate::worlds::criteria::criterion;

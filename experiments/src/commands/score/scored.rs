@@ -1,0 +1,35 @@
+//! What a run has found.
+
+use grid::Frame;
+use score::{Alignment, Resampling};
+
+use super::candidate::Scorable;
+use super::rows::{Difference, Row};
+
+/// What was found of a map.
+pub(super) struct ScoredMap {
+    pub(super) name: String,
+    pub(super) map: Scorable,
+    pub(super) how: Resampling,
+    /// Whether it has no place of its own.
+    pub(super) assumed: bool,
+    pub(super) rows: Vec<Row>,
+    /// Where its file says that it lies, and how it was moved.
+    pub(super) alignment: Option<(Frame, Alignment)>,
+    pub(super) warnings: Vec<String>,
+}
+
+/// All that was found.
+pub(super) struct Scored {
+    pub(super) maps: Vec<ScoredMap>,
+    pub(super) differences: Vec<Difference>,
+    /// The regions that the terminal shows, the first of them of differences too.
+    pub(super) shown: Vec<String>,
+}
+
+impl Scored {
+    /// The rows of all maps.
+    pub(super) fn rows(&self) -> Vec<Row> {
+        self.maps.iter().flat_map(|map| map.rows.iter().cloned()).collect()
+    }
+}
