@@ -4,6 +4,7 @@ pub(crate) mod agreement;
 pub mod claims;
 pub mod condition;
 pub mod criteria;
+pub mod faults;
 pub mod mappers;
 pub mod reading;
 pub mod run;

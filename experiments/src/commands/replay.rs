@@ -39,7 +39,7 @@ const TOO_LARGE: &str = "use larger cells (--grid), a shorter --reach, a part of
 pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
     let start = Instant::now();
     interruption::watch();
-    let entries = entries(&options.mappers)?;
+    let entries = entries(&options.mappers, &options.programs)?;
     let recording = Recording::of(options)?;
     threads::limit(options.threads.count)?;
     let sensor = options.sensor(recording.scans()?.sensor())?;

@@ -35,7 +35,7 @@ use crate::worlds::mappers::entries;
 /// Bad input before any measurement, I/O, and a mapper that did not do its work.
 pub fn run(options: &SpeedOptions) -> Result<(), Failure> {
     interruption::watch();
-    let entries = entries(&options.mappers)?;
+    let entries = entries(&options.mappers, &options.programs)?;
     if options.growth {
         growth::online(&entries)?;
         if options.print.format == Format::Csv && options.out.is_none() {

@@ -138,7 +138,7 @@ mod tests {
         summary: "",
         source: "",
         kind: Kind::Online,
-        build: |setup| Box::new(Lazy { occupancy: Raster::filled(setup.grid, 0.5), cells: 0 }),
+        build: &|setup| Box::new(Lazy { occupancy: Raster::filled(setup.grid, 0.5), cells: 0 }),
     };
 
     fn set() -> (ScanSet, Model) {
