@@ -237,7 +237,9 @@ fn a_conversation_that_fails_is_a_row_with_the_error() {
         assert!(error.contains(part), "{behaviour}: {error}");
         let timeline = fs::read_to_string(place.path("out/timeline.csv")).expect("there");
         let moments = timeline.lines().filter(|line| line.starts_with("mine,")).count();
-        assert!((5..=6).contains(&moments), "{behaviour}: {moments} moments");
+        // A second map is noticed when the first that it stands for is asked for, or the one after that.
+        let most = if behaviour == "online-twice" { 20 } else { 6 };
+        assert!((5..=most).contains(&moments), "{behaviour}: {moments} moments");
     }
 }
 

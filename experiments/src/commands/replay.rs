@@ -26,6 +26,7 @@ use crate::jobs::threads;
 use crate::output::args::Format;
 use crate::output::folder::{Purpose, Staging};
 use crate::output::note;
+use crate::worlds::faults;
 use crate::worlds::mappers::entries;
 use crate::worlds::reading;
 
@@ -96,7 +97,7 @@ pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
             pace(&survey, start.elapsed().as_secs_f64())
         ));
     }
-    Ok(())
+    faults::none(&mapping::lines(&maps.faults))
 }
 
 /// How much faster than it was recorded.
