@@ -95,8 +95,13 @@ impl Talk {
         }
     }
 
-    /// Ends the program after a fault. Of one that ended by itself before it should, how it ended is the fault.
+    /// Ends the program after a fault. Of one that ended by itself before it should, what it had answered, or how it ended, is
+    /// the fault.
     pub(super) fn end(&self, fault: Fault) -> Fault {
+        let fault = match (fault, self.maps.try_recv()) {
+            (Fault::Deaf, Ok(Err(answered))) => answered,
+            (fault, _) => fault,
+        };
         let fault = match fault {
             Fault::Closed | Fault::Deaf => match self.process.wait("end", LAST, || Ok(())) {
                 Err(ended @ (Fault::Exit(_) | Fault::Signal(_))) => ended,

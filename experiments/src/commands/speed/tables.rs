@@ -141,6 +141,7 @@ mod tests {
             mapper,
             seconds: vec![2.0, 3.0, 4.0],
             work: Work { cells, bytes: 25_000_000 * 72 },
+            outside: None,
         };
         (vec![speed("log-odds-cartographer", 12_345_678_901), speed("mrf", 0)], conditions)
     }
