@@ -73,6 +73,37 @@ fn compare_pairs_a_program_with_the_reference() {
 }
 
 #[test]
+fn sweeps_take_programs_into_their_jobs() {
+    let folder = TempDir::new().expect("temporary folder");
+    fs::write(folder.path().join("attic.toml"), attic::FAMILY).expect("writable");
+    let sweep =
+        "families = [\"attic.toml\"]\nmappers = [\"prior\"]\nseeds = { count = 2 }\n[vary]\nprior = [0.1, 0.2]\n";
+    fs::write(folder.path().join("s.toml"), sweep).expect("writable");
+    checked(0, &"plan", &run(folder.path(), &["sweep", "plan", "s.toml", "--out", "s"]));
+    // Shards run wherever the manifest is, and know the programs from it.
+    let mut shards = Command::cargo_bin("experiments").expect("built");
+    let ran = shards.current_dir(folder.path()).args(["sweep", "run", "s"]).output().expect("starts");
+    let (_, err) = checked(0, &"run", &ran);
+    assert!(err.contains("4 jobs") && err.contains("4 rows with an error"), "{err}");
+    checked(0, &"all", &run(folder.path(), &["sweep", "s.toml", "--out", "s"]));
+    let mut table = csv::Reader::from_path(folder.path().join("s/table.csv")).expect("there");
+    let heads = table.headers().expect("heads").clone();
+    let place = |name: &str| heads.iter().position(|head| head == name).expect("a column");
+    let (mapper, region, error, retention) = (place("mapper"), place("region"), place("error"), place("retention"));
+    let rows: Vec<csv::StringRecord> = table.records().map(|row| row.expect("a row")).collect();
+    let of = |name: &str| rows.iter().filter(|row| &row[mapper] == name).collect::<Vec<_>>();
+    let (same, prior, bad) = (of("same"), of("prior"), of("bad"));
+    assert_eq!((same.len(), prior.len(), bad.len()), (12, 12, 4));
+    for (same, prior) in same.iter().zip(&prior) {
+        for k in (0..heads.len()).filter(|k| ![mapper, retention].contains(k)) {
+            assert_eq!(same[k], prior[k], "{}", &heads[k]);
+        }
+        assert!(same[retention].is_empty());
+    }
+    assert!(bad.iter().all(|row| row[region].is_empty() && row[error].contains("exit code 3: must be 0")));
+}
+
+#[test]
 fn gates_judge_a_program_and_fail_where_it_fails() {
     let folder = TempDir::new().expect("temporary folder");
     fs::write(folder.path().join("attic.toml"), attic::FAMILY).expect("writable");

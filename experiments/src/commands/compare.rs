@@ -97,11 +97,11 @@ fn default_folder(plan: &Plan, quick: bool) -> PathBuf {
     Path::new("results").join(format!("compare{set}{}", if quick { "-quick" } else { "" }))
 }
 
-/// All that decides the scores of a world. The record names the families' files and the words of programs' commands; what
-/// the files say may change between an interruption and its continuation.
+/// All that decides the scores of a world. The record names the families' files; what they say may change
+/// between an interruption and its continuation.
 fn configuration(plan: &Plan, record: &Record<Parts>) -> Result<String, Failure> {
     let record = serde_json::to_string(record).map_err(Failure::internal)?;
-    Ok(format!("{record}\n{:?}{}", plan.families, plan.program_files))
+    Ok(format!("{record}\n{:?}", plan.families))
 }
 
 /// Maps and scores every world that is not yet finished.

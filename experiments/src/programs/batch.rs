@@ -10,11 +10,10 @@ use super::exchange::Folder;
 use super::fault::Fault;
 use super::kept::last_words;
 use super::process::Process;
-use super::program::Program;
 
 /// Keeps the scans, and starts the program on all of them whenever a map is asked for.
 pub(super) struct Batch {
-    program: &'static Program,
+    words: &'static [String],
     longest: Duration,
     model: Model,
     scans: Vec<Scan>,
@@ -23,9 +22,9 @@ pub(super) struct Batch {
 }
 
 impl Batch {
-    pub(super) fn new(program: &'static Program, longest: Duration, model: &Model) -> Self {
+    pub(super) fn new(words: &'static [String], longest: Duration, model: &Model) -> Self {
         Self {
-            program,
+            words,
             longest,
             model: model.clone(),
             scans: Vec::new(),
@@ -38,7 +37,7 @@ impl Batch {
         let grid = self.model.grid;
         let folder = Folder::make(&self.model, &self.scans)?;
         let start = Instant::now();
-        let process = Process::start(&self.program.words, folder.path())?;
+        let process = Process::start(self.words, folder.path())?;
         let ended = process.wait("map", self.longest, || folder.check_size(&grid));
         self.outside.seconds += start.elapsed().as_secs_f64();
         process.end();

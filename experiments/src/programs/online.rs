@@ -10,12 +10,11 @@ use serde_json::{Value, json};
 use super::batch::told;
 use super::described::{self, SCHEMA_VERSION};
 use super::fault::Fault;
-use super::program::Program;
 use super::talk::Talk;
 
 /// Hands every scan on, and asks for a map whenever one is to be looked at.
 pub(super) struct Online {
-    program: &'static Program,
+    words: &'static [String],
     longest: Duration,
     model: Model,
     talk: State,
@@ -34,9 +33,9 @@ enum State {
 }
 
 impl Online {
-    pub(super) fn new(program: &'static Program, longest: Duration, model: &Model) -> Self {
+    pub(super) fn new(words: &'static [String], longest: Duration, model: &Model) -> Self {
         Self {
-            program,
+            words,
             longest,
             model: model.clone(),
             talk: State::Before,
@@ -58,7 +57,7 @@ impl Online {
                 "sensors": described::sensors(&self.model),
             });
             self.talk = State::Over;
-            match Talk::start(&self.program.words, self.model.grid, self.longest) {
+            match Talk::start(self.words, self.model.grid, self.longest) {
                 Ok(mut talk) => match talk.say(&opening) {
                     Ok(()) => self.talk = State::Running(talk),
                     Err(fault) => self.over(&talk, fault),

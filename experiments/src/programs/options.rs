@@ -4,9 +4,11 @@ use std::path::Path;
 use std::time::Duration;
 
 use clap::Args;
-use serde::Serialize;
+use mapper::catalogue::Entry;
+use serde::{Deserialize, Serialize};
 
 use super::program::Program;
+use crate::failure::Failure;
 use crate::output::args::number;
 use crate::output::digest;
 
@@ -34,7 +36,8 @@ impl Default for ProgramOptions {
 }
 
 /// A program as records hold it.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ProgramRecord {
     /// Its name.
     pub name: String,
@@ -42,6 +45,40 @@ pub struct ProgramRecord {
     pub command: String,
     /// Longest time for a map, s.
     pub timeout_s: f64,
+    /// The files that its command names: by these a program that was changed is told from what it was.
+    pub files: Vec<FileRecord>,
+}
+
+/// A file that a command names.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FileRecord {
+    /// Its name in the command.
+    pub name: String,
+    /// SHA-256 of its content, in hexadecimal.
+    pub sha256: String,
+}
+
+impl FileRecord {
+    /// The file of this name, if there is one.
+    fn of(name: &str) -> Option<Self> {
+        let path = Path::new(name);
+        let (_, sha256) = path.is_file().then(|| digest::file(path).ok())??;
+        Some(Self { name: name.to_owned(), sha256 })
+    }
+}
+
+impl ProgramRecord {
+    /// The mapper that the program is.
+    ///
+    /// # Errors
+    /// A record that was made by hand and names no program.
+    pub fn entry(&self) -> Result<&'static Entry, Failure> {
+        let refuse = |why: String| Failure::BadInput(format!("the program {:?} {why}", self.name));
+        let program = Program::parse(&format!("{}={}", self.name, self.command)).map_err(refuse)?;
+        let timeout = timeout(&self.timeout_s.to_string()).map_err(refuse)?;
+        Ok(program.entry(Duration::from_secs_f64(timeout)))
+    }
 }
 
 impl ProgramOptions {
@@ -50,20 +87,13 @@ impl ProgramOptions {
         Duration::from_secs_f64(self.timeout_s)
     }
 
-    /// Digests of the files that the commands name: by these a program that was changed is told from what it was.
-    pub fn files(&self) -> String {
-        let words = self.programs.iter().flat_map(|program| &program.words);
-        let files = words.map(Path::new).filter(|path| path.is_file());
-        let digests = files.filter_map(|path| digest::file(path).ok());
-        digests.map(|(bytes, digest)| format!("\n{bytes} {digest}")).collect()
-    }
-
     /// The programs as records hold them.
     pub fn record(&self) -> Vec<ProgramRecord> {
         let record = |program: &Program| ProgramRecord {
             name: program.name.clone(),
             command: program.command.clone(),
             timeout_s: self.timeout_s,
+            files: program.words.iter().filter_map(|word| FileRecord::of(word)).collect(),
         };
         self.programs.iter().map(record).collect()
     }

@@ -1,5 +1,6 @@
 //! A program as a mapper: its name, its command, and how it takes scans.
 
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use mapper::Model;
@@ -59,14 +60,20 @@ impl Program {
         Ok(Self { name: name.to_owned(), command: command.trim().to_owned(), words, mode })
     }
 
-    /// The mapper that the program is, for as long as this process lives.
+    /// The mapper that the program is, for as long as this process lives; the same one for the same program.
     pub fn entry(&self, timeout: Duration) -> &'static Entry {
+        static ENTRIES: Mutex<Vec<(&Program, Duration, &Entry)>> = Mutex::new(Vec::new());
+        let mut entries = ENTRIES.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = entries.iter().find(|(program, longest, _)| *program == self && *longest == timeout);
+        if let Some((_, _, entry)) = known {
+            return entry;
+        }
         let program: &'static Self = Box::leak(Box::new(self.clone()));
         let build: Box<Build> = match self.mode {
-            Mode::Batch => Box::new(move |model: &Model| Box::new(Batch::new(program, timeout, model))),
-            Mode::Online => Box::new(move |model: &Model| Box::new(Online::new(program, timeout, model))),
+            Mode::Batch => Box::new(move |model: &Model| Box::new(Batch::new(&program.words, timeout, model))),
+            Mode::Online => Box::new(move |model: &Model| Box::new(Online::new(&program.words, timeout, model))),
         };
-        Box::leak(Box::new(Entry {
+        let entry: &'static Entry = Box::leak(Box::new(Entry {
             name: &program.name,
             summary: "a program of your own",
             source: &program.command,
@@ -75,7 +82,9 @@ impl Program {
                 Mode::Online => Kind::Online,
             },
             build: Box::leak(build),
-        }))
+        }));
+        entries.push((program, timeout, entry));
+        entry
     }
 }
 

@@ -37,8 +37,6 @@ pub struct Plan {
     pub mappers: Vec<&'static Entry>,
     /// The programs among them.
     pub programs: Vec<ProgramRecord>,
-    /// Digests of the files that the programs' commands name.
-    pub program_files: String,
     /// What they assume.
     pub assumed: Assumptions,
     /// How often a scan is repeated, rising; nothing is where nothing is to be repeated.
@@ -93,7 +91,6 @@ impl Plan {
             batch_seeds,
             mappers,
             programs: options.programs.record(),
-            program_files: options.programs.files(),
             assumed: Assumptions::of(&options.prior),
             repeats,
             repeated_scans,
