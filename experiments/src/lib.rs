@@ -19,6 +19,8 @@ pub mod output;
 #[doc(hidden)]
 pub mod page;
 #[doc(hidden)]
+pub mod programs;
+#[doc(hidden)]
 pub mod worlds;
 
 pub use cli::main;

@@ -9,7 +9,7 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::Command;
 
-use experiments::gate::{self, Format, FormatOption, GateOptions, ThreadsOption};
+use experiments::gate::{self, Format, FormatOption, GateOptions, ProgramOptions, ThreadsOption};
 use mapper::catalogue::{Entry, Kind};
 use quick_xml::Reader;
 use quick_xml::events::Event;
@@ -382,7 +382,7 @@ fn a_spoilt_baseline_is_refused_with_its_line() {
     assert_eq!(place.text("gates-baseline.csv"), good);
 }
 
-const fn own(name: &'static str, build: fn(&mapper::Model) -> Box<dyn mapper::Mapper>) -> Entry {
+const fn own(name: &'static str, build: &'static mapper::catalogue::Build) -> Entry {
     Entry { name, summary: "of this test", source: "here", kind: Kind::Online, build }
 }
 
@@ -401,7 +401,7 @@ fn a_mapper_of_your_own_is_gated_like_any_other() {
     let unknown = gate::run_with(&options(false), &[]).expect_err("no such mapper").to_string();
     assert!(unknown.contains("mapper = \"counting\": must be one of visibility, "), "{unknown}");
     // Called like another, it takes its place, and is judged by its baselines.
-    let worse = own("counting", |setup| Box::new(mapper::Unseen::new(setup)));
+    let worse = own("counting", &|setup| Box::new(mapper::Unseen::new(setup)));
     let failed = gate::run_with(&options(false), &[worse]).expect_err("no map at all").to_string();
     assert!(
         failed.starts_with("2 of 4 gates fail: not-worse") || failed.starts_with("3 of 4 gates fail: not-worse"),
@@ -418,7 +418,7 @@ fn a_mapper_that_fails_is_an_error_of_its_gates_alone() {
     let options = GateOptions { junit: Some(place.path("junit.xml")), ..options(&place) };
     gate::run_with(&GateOptions { update: true, junit: None, ..options.clone() }, &[]).expect("measured");
     let before = place.text("gates-baseline.csv");
-    let broken = own("visibility", |_| panic!("no <map> & no \u{1} luck"));
+    let broken = own("visibility", &|_| panic!("no <map> & no \u{1} luck"));
     let failed = gate::run_with(&options, &[broken]).expect_err("fails");
     assert_eq!(failed.to_string(), "3 of 4 gates fail: not-worse, bounded, better");
     let junit = place.text("junit.xml");
@@ -441,6 +441,7 @@ fn options(place: &Place) -> GateOptions {
         junit: None,
         summary: None,
         print: FormatOption { format: Format::Csv },
+        programs: ProgramOptions::default(),
         threads: ThreadsOption::default(),
     }
 }

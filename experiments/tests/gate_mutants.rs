@@ -4,7 +4,7 @@ mod mutants;
 
 use std::path::Path;
 
-use experiments::gate::{self, Format, FormatOption, GateOptions, Outcome, ThreadsOption, Verdict};
+use experiments::gate::{self, Format, FormatOption, GateOptions, Outcome, ProgramOptions, ThreadsOption, Verdict};
 use mapper::catalogue::Entry;
 
 use mutants::MUTANTS;
@@ -22,6 +22,7 @@ fn outcomes(only: &[&str], stream: u32, own: &[Entry]) -> Vec<Outcome> {
         junit: None,
         summary: None,
         print: FormatOption { format: Format::Csv },
+        programs: ProgramOptions::default(),
         threads: ThreadsOption::default(),
     };
     gate::judge(&options, own).expect("judged")

@@ -9,11 +9,12 @@ use std::path::Path;
 use imports::{Arrows, arrows};
 
 /// The rooms of this package from the roof to the cellar; a room imports those of its own level and of lower ones.
-const LEVELS: [&[&str]; 6] = [
+const LEVELS: [&[&str]; 7] = [
     &["main", "lib"],
     &["cli"],
     &["commands"],
     &["worlds", "figures", "page"],
+    &["programs"],
     &["exit", "jobs", "output"],
     &["failure"],
 ];

@@ -35,7 +35,7 @@ pub use belief::lateral::Lateral;
 pub use belief::prior::{CorrelationLaw, Prior};
 pub use belief::probability::{EPSILON, bayes};
 pub use fast::visibility::FastVisibility;
-pub use mapper::{Mapper, Work};
+pub use mapper::{Mapper, Outside, Work};
 pub use model::{Model, Sensors};
 pub use pairs::grid::{Broken, PairwiseGrid};
 pub use pairs::joint::Joint;

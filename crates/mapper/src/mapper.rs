@@ -43,6 +43,22 @@ pub trait Mapper: Send {
     fn work(&self) -> Work {
         Work::uncounted(self.occupancy())
     }
+
+    /// What became of the program that does the work of a mapper in another process; none of a mapper that works in this one.
+    fn outside(&self) -> Option<&Outside> {
+        None
+    }
+}
+
+/// What became of a program that does the work of a mapper in another process.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Outside {
+    /// Time that the process took, or was waited for, s.
+    pub seconds: f64,
+    /// Why there is no map: what [`Mapper::occupancy`] then gives is the prior, and is not to be scored.
+    pub fault: Option<String>,
+    /// What the process wrote to its standard error, as far as that is kept.
+    pub stderr: String,
 }
 
 /// What a mapper has done since it was made, and the memory that it holds.

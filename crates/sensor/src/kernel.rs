@@ -10,4 +10,20 @@ pub trait Kernel: Send + Sync {
     ///
     /// `ranges` never decreases and is one longer than `likelihood`.
     fn likelihood(&self, reading: f64, bearing: f64, ranges: &[f64], likelihood: &mut [f64]);
+
+    /// The sensor by its parameters, for whoever cannot call its functions; none of a kernel that has no such form.
+    fn parameters(&self) -> Option<Parameters> {
+        None
+    }
+}
+
+/// A sensor by its parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameters {
+    /// Name of the kernel.
+    pub kernel: &'static str,
+    /// What its readings are, with their unit: the name of a column in a table of scans.
+    pub reading: &'static str,
+    /// The parameters by name, with their units.
+    pub noise: Vec<(&'static str, f64)>,
 }

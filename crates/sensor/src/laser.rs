@@ -13,7 +13,7 @@ mod tests;
 use serde::{Deserialize, Serialize};
 
 use crate::lanes::{Beams, LANES, Lanes};
-use crate::{FastKernel, InverseModel, Kernel, Placement, normal};
+use crate::{FastKernel, InverseModel, Kernel, Parameters, Placement, normal};
 use curve::Curve;
 
 /// A laser range finder as a sensor model. A reading is a range in m, or `f64::INFINITY` where there was no echo.
@@ -94,6 +94,18 @@ impl Kernel for Laser {
         for (l, chord) in likelihood.iter_mut().zip(ranges.windows(2)) {
             *l = curve.mean(chord[0], chord[1]);
         }
+    }
+
+    fn parameters(&self) -> Option<Parameters> {
+        let Self { range_sigma_m, max_range_m, hit, no_echo, early_per_m } = *self;
+        let noise = vec![
+            ("range_sigma_m", range_sigma_m),
+            ("max_range_m", max_range_m),
+            ("hit", hit),
+            ("no_echo", no_echo),
+            ("early_per_m", early_per_m),
+        ];
+        Some(Parameters { kernel: "laser", reading: "range_m", noise })
     }
 }
 

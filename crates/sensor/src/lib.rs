@@ -27,7 +27,7 @@ pub use clustering::{Clustering, Mismatches};
 pub use fast_kernel::FastKernel;
 pub use gaussian::exp_minus;
 pub use inverse_model::{InverseModel, Placement};
-pub use kernel::Kernel;
+pub use kernel::{Kernel, Parameters};
 pub use laser::Laser;
 pub use laser::check::LaserError;
 pub use matcher::{Matcher, Surface};

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::gaussian::{self, Gaussian};
 use crate::lanes::{Beams, Lanes};
-use crate::{FastKernel, InverseModel, Kernel, Placement, normal};
+use crate::{FastKernel, InverseModel, Kernel, Parameters, Placement, normal};
 
 /// A stereo camera as a sensor model: disparity is Gaussian about `focal_baseline / depth` with
 /// probability `correct_match`, otherwise uniform over `0 ..= max_disparity`.
@@ -96,6 +96,17 @@ impl Kernel for Stereo {
             *l = scale * g + false_match;
             near = far;
         }
+    }
+
+    fn parameters(&self) -> Option<Parameters> {
+        let Self { focal_baseline, disparity_sigma, correct_match, max_disparity } = *self;
+        let noise = vec![
+            ("focal_baseline", focal_baseline),
+            ("disparity_sigma", disparity_sigma),
+            ("correct_match", correct_match),
+            ("max_disparity", max_disparity),
+        ];
+        Some(Parameters { kernel: "stereo", reading: "disparity_px", noise })
     }
 }
 

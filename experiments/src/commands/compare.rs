@@ -35,7 +35,7 @@ use self::journal::Journal;
 use self::options::Worlds;
 use self::outputs::Parts;
 use self::plan::{Plan, REFERENCE};
-use self::world::{WorldJob, WorldScores};
+use self::world::{MapScores, WorldJob, WorldScores};
 use crate::failure::Failure;
 use crate::jobs::engine;
 use crate::jobs::interruption;
@@ -46,6 +46,7 @@ use crate::output::folder::{Purpose, Staging};
 use crate::output::note;
 use crate::output::record::Record;
 use crate::worlds::claims as claim;
+use crate::worlds::faults;
 
 /// Runs the comparison, or the rest of one that was interrupted.
 ///
@@ -78,7 +79,17 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
         let place = out.join("report.html");
         note(format_args!("{} in {:.0} s", place.display(), start.elapsed().as_secs_f64()));
     }
-    claim::all_hold(&findings.claims)
+    claim::all_hold(&findings.claims)?;
+    faults::none(&without_maps(&findings.worlds))
+}
+
+/// Maps that programs did not give.
+fn without_maps(worlds: &[WorldScores]) -> Vec<String> {
+    let of_world = |world: &WorldScores| -> Vec<String> {
+        let fault = |map: &MapScores| Some(format!("{}: {}: {}", map.mapper, world.job.world, map.fault.as_ref()?));
+        world.maps.iter().filter_map(fault).collect()
+    };
+    worlds.iter().flat_map(of_world).collect()
 }
 
 fn default_folder(plan: &Plan, quick: bool) -> PathBuf {

@@ -33,6 +33,7 @@ use crate::exit;
 use crate::failure::Failure;
 use crate::jobs::interruption;
 use crate::output::{note, single};
+use crate::worlds::mappers::own as programs;
 
 /// The command line of a program of your own: gates on your mappers and the built-in ones.
 ///
@@ -44,7 +45,7 @@ use crate::output::{note, single};
 ///     summary: "nothing is ever seen",
 ///     source: "here",
 ///     kind: Kind::Online,
-///     build: |setup| Box::new(mapper::Unseen::new(setup)),
+///     build: &|setup| Box::new(mapper::Unseen::new(setup)),
 /// };
 ///
 /// fn main() -> std::process::ExitCode {
@@ -115,7 +116,8 @@ struct Asked {
 
 impl Asked {
     fn new(options: &GateOptions, own: &[Entry]) -> Result<Self, Failure> {
-        let known = mappers(own);
+        let programs = programs(&options.programs)?.into_iter().copied();
+        let known = mappers(&own.iter().copied().chain(programs).collect::<Vec<_>>());
         let all = file::load(&options.gates, &known)?;
         let gates = Gates { gates: only(&all, &options.only)?, ..all.clone() };
         Ok(Self { known, all: all.gates, gates })

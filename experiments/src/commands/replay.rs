@@ -26,6 +26,7 @@ use crate::jobs::threads;
 use crate::output::args::Format;
 use crate::output::folder::{Purpose, Staging};
 use crate::output::note;
+use crate::worlds::faults;
 use crate::worlds::mappers::entries;
 use crate::worlds::reading;
 
@@ -39,7 +40,7 @@ const TOO_LARGE: &str = "use larger cells (--grid), a shorter --reach, a part of
 pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
     let start = Instant::now();
     interruption::watch();
-    let entries = entries(&options.mappers)?;
+    let entries = entries(&options.mappers, &options.programs)?;
     let recording = Recording::of(options)?;
     threads::limit(options.threads.count)?;
     let sensor = options.sensor(recording.scans()?.sensor())?;
@@ -97,7 +98,7 @@ pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
             pace(&survey, start.elapsed().as_secs_f64())
         ));
     }
-    Ok(())
+    faults::none(&mapping::lines(&maps.faults))
 }
 
 /// How much faster than it was recorded.

@@ -5,6 +5,7 @@ mod document;
 mod options;
 mod outputs;
 mod plan;
+mod programs;
 mod record;
 mod summary;
 
@@ -29,6 +30,7 @@ use crate::output::folder::{self, Purpose, Staging};
 use crate::output::record::Record;
 use crate::output::{note, warn};
 use crate::worlds::claims::{self, Claim};
+use crate::worlds::faults;
 use crate::worlds::run::{Ground, Keep, Trial};
 
 /// Runs the experiment.
@@ -59,6 +61,7 @@ pub fn run(options: &RoomOptions) -> Result<(), Failure> {
     staging.publish()?;
 
     metrics.print(options.format, || summary::text(&ground, &trials, &stages, &claims))?;
+    programs::tell_times(&trials);
     if options.format == Format::Text {
         let place = out.join("report.html");
         note(format_args!("{} in {:.1} s", place.display(), start.elapsed().as_secs_f64()));
@@ -67,7 +70,8 @@ pub fn run(options: &RoomOptions) -> Result<(), Failure> {
         let note = "note: the scene's claims compare visibility with conventional; without both they are not judged";
         crate::output::note(note);
     }
-    claims::all_hold(&claims)
+    claims::all_hold(&claims)?;
+    faults::none(&programs::faults(&trials, &stages))
 }
 
 fn seeds(options: &RoomOptions) -> Result<Vec<u64>, Failure> {

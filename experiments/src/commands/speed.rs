@@ -27,6 +27,7 @@ use crate::output::args::Format;
 use crate::output::folder::{Purpose, Staging};
 use crate::output::note;
 use crate::output::table;
+use crate::worlds::faults;
 use crate::worlds::mappers::entries;
 
 /// Maps the same scans by every mapper with a clock, and prints the time of each.
@@ -35,8 +36,14 @@ use crate::worlds::mappers::entries;
 /// Bad input before any measurement, I/O, and a mapper that did not do its work.
 pub fn run(options: &SpeedOptions) -> Result<(), Failure> {
     interruption::watch();
-    let entries = entries(&options.mappers)?;
+    let entries = entries(&options.mappers, &options.programs)?;
     if options.growth {
+        if let Some(program) = options.programs.programs.first() {
+            return Err(Failure::BadInput(format!(
+                "--growth: '{}' works in a process of its own, whose scans have no times of their own; leave out --mapper",
+                program.name
+            )));
+        }
         growth::online(&entries)?;
         if options.print.format == Format::Csv && options.out.is_none() {
             let message =
@@ -71,8 +78,13 @@ pub fn run(options: &SpeedOptions) -> Result<(), Failure> {
         outputs::write(staging, &speeds, &conditions, curves.as_deref())?;
         note(folder.join("speed.csv").display());
     }
+    for speed in &speeds {
+        if let Some(outside) = speed.outside.as_ref().filter(|outside| outside.fault.is_none()) {
+            note(format_args!("{}: {:.3} s of its last map in its process", speed.mapper, outside.seconds));
+        }
+    }
     let table = tables::table(&speeds, &conditions);
-    match (options.print.format, &curves) {
+    let printed = match (options.print.format, &curves) {
         (Format::Json, Some(curves)) => {
             let mut json = table.to_json();
             json["growth"] = growth::table(curves).to_json()["rows"].take();
@@ -82,7 +94,10 @@ pub fn run(options: &SpeedOptions) -> Result<(), Failure> {
             let growth = curves.as_ref().map(|curves| format!("\n{}", growth::text(curves))).unwrap_or_default();
             tables::text(&speeds, &conditions) + &growth
         }),
-    }
+    };
+    printed?;
+    let faults = speeds.iter().filter_map(|speed| Some(format!("{}: {}", speed.mapper, speed.fault()?)));
+    faults::none(&faults.collect::<Vec<_>>())
 }
 
 /// The map, the belief, and what the scans ask of every mapper.

@@ -60,7 +60,7 @@ fn default_folder(file: &Path) -> PathBuf {
 }
 
 fn plan(options: &PlanOptions) -> Result<(), Failure> {
-    let sweep = file::load(&options.file)?;
+    let sweep = file::load(&options.file)?.with(&options.programs)?;
     let folder = options.out.clone().unwrap_or_else(|| default_folder(&options.file));
     folder::check(&folder, &outcome::purpose(&sweep.mappers))?;
     let manifest = manifest::plan(
@@ -158,7 +158,7 @@ fn missing(manifest: &Manifest) -> Result<(), Failure> {
 
 /// Plans, runs, merges and plots a sweep on this machine.
 fn all(file: &Path, options: &SweepOptions) -> Result<(), Failure> {
-    let sweep = file::load(file)?;
+    let sweep = file::load(file)?.with(&options.programs)?;
     let folder = options.out.clone().unwrap_or_else(|| default_folder(file));
     folder::check(&folder, &outcome::purpose(&sweep.mappers))?;
     let former = Manifest::open(&folder).ok();

@@ -1,6 +1,7 @@
 //! One drive, mapped by several rules from the same readings, and scored at every stage.
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use grid::Raster;
 use mapper::catalogue::{Entry, Kind};
@@ -60,6 +61,19 @@ pub struct Run {
     pub timeline: Vec<Moment>,
     /// The maps asked for; of a batch mapper those at the end of a stage.
     pub frames: Vec<Frame>,
+    /// What became of the program that did the work, of a mapper that works in another process.
+    pub program: Option<ProgramRun>,
+}
+
+/// What became of a program that works as a mapper.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ProgramRun {
+    /// Time in its process, s.
+    pub process_s: f64,
+    /// Time besides, for what is written to it and read from it, s.
+    pub besides_s: f64,
+    /// What it wrote to standard error, stage by stage, as far as that is kept.
+    pub stderr: Vec<String>,
 }
 
 /// A map on the way.
@@ -84,10 +98,12 @@ pub struct Stage {
 
 /// A map at the end of a stage, with its scores.
 pub struct StageMap {
-    /// Occupancy, 0 to 1.
+    /// Occupancy, 0 to 1; that of the prior where there is no map.
     pub occupancy: Raster<f64>,
-    /// Every metric of every region.
+    /// Every metric of every region, without values where there is no map.
     pub scores: Vec<RegionScore>,
+    /// Why there is no map, of a program that gave none.
+    pub fault: Option<String>,
 }
 
 /// A metric over a region.
@@ -222,6 +238,9 @@ struct Now<'a> {
     frame: bool,
 }
 
+/// Metrics that follow from the maps after every scan.
+const OF_EVERY_SCAN: [&str; 1] = ["retention"];
+
 /// A mapper on its way.
 struct Walk {
     kind: Kind,
@@ -232,22 +251,45 @@ struct Walk {
 
 impl Walk {
     fn new(entry: &Entry, setup: &Model, truth: &Raster<Option<bool>>) -> Self {
-        let run = Run { mapper: entry.name, stages: Vec::new(), timeline: Vec::new(), frames: Vec::new() };
-        Self { kind: entry.kind, mapper: (entry.build)(setup), retention: Retention::new(truth), run }
+        let mapper = (entry.build)(setup);
+        let run = Run {
+            mapper: entry.name,
+            stages: Vec::new(),
+            timeline: Vec::new(),
+            frames: Vec::new(),
+            program: mapper.outside().map(|_| ProgramRun::default()),
+        };
+        Self { kind: entry.kind, mapper, retention: Retention::new(truth), run }
     }
 
     /// One more scan. A batch mapper has a map, and so retention, at the ends of stages only.
     fn step(&mut self, ground: &Ground, now: &Now) -> Result<Option<Moment>, Failure> {
+        let start = Instant::now();
         self.mapper.integrate(now.noise_free.as_ref().filter(|_| self.kind == Kind::NoiseFree).unwrap_or(now.scan));
-        if self.kind == Kind::Batch && now.stages == 0 {
+        let has_map = self.kind != Kind::Batch || now.stages > 0;
+        if has_map {
+            self.mapper.settle();
+        }
+        let fault = self.account(start, now.stages);
+        if !has_map {
             return Ok(None);
         }
-        self.mapper.settle();
         let map = self.mapper.occupancy();
-        self.retention.observe(now.seen.visible(), map)?;
+        if fault.is_none() {
+            self.retention.observe(now.seen.visible(), map)?;
+        }
         for _ in 0..now.stages {
-            let scores = ground.score(map, now.seen, &self.retention)?;
-            self.run.stages.push(StageMap { occupancy: map.clone(), scores });
+            let mut scores = ground.score(map, now.seen, &self.retention)?;
+            let batch_program = self.run.program.is_some() && self.kind == Kind::Batch;
+            for metric in scores.iter_mut().map(|score| &mut score.metric) {
+                if fault.is_some() || batch_program && OF_EVERY_SCAN.contains(&metric.name) {
+                    metric.value = None;
+                }
+            }
+            self.run.stages.push(StageMap { occupancy: map.clone(), scores, fault: fault.clone() });
+        }
+        if fault.is_some() {
+            return Ok(None);
         }
         if now.frame {
             self.run.frames.push(Frame { scans: now.scans, occupancy: map.map(|p| *p as f32) });
@@ -261,9 +303,24 @@ impl Walk {
         self.run.timeline.push(moment);
         Ok(Some(moment))
     }
+
+    /// Takes down what became of a program that works for the mapper; gives why there is no map, if there is none.
+    fn account(&mut self, start: Instant, stages: usize) -> Option<String> {
+        let (program, outside) = (self.run.program.as_mut()?, self.mapper.outside()?);
+        let process_s = outside.seconds - program.process_s;
+        program.process_s = outside.seconds;
+        program.besides_s += (start.elapsed().as_secs_f64() - process_s).max(0.0);
+        program.stderr.extend((0..stages).map(|_| outside.stderr.clone()));
+        outside.fault.clone()
+    }
 }
 
 impl Trial {
+    /// Why a mapper, by its place among the runs, has no map at the end of the drive, if it has none.
+    pub fn fault(&self, run: usize) -> Option<&str> {
+        self.runs.get(run)?.stages.last()?.fault.as_deref()
+    }
+
     /// The metric of the given mapper, stage, region and name.
     pub fn metric(&self, mapper: &str, stage: usize, region: &str, name: &str) -> Option<Metric> {
         let run = self.runs.iter().find(|run| run.mapper == mapper)?;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use grid::{DigitalLine, Raster};
-use mapper::catalogue::{Entry, Kind};
+use mapper::catalogue::{Build, Entry, Kind};
 use mapper::past_the_map::{self, PastTheMap};
 use mapper::{
     Chain, Mapper, Model, Moments, PairwiseGrid, Prior, RayPosterior, Reconciliation, Sensors, Visibility, exact,
@@ -12,13 +12,13 @@ use sensor::{FastKernel, InverseModel, Kernel, Scan, SensorModel};
 
 /// Every mutant, named after what it replaces: gates judge it as they would judge a change of `visibility`.
 pub(crate) const MUTANTS: [(&str, Entry); 4] = [
-    ("correlation forced to 0", mutant(|setup| Box::new(Visibility::exact(&without_correlation(setup))))),
-    ("tail beyond the map dropped", mutant(|setup| Box::new(Visibility::new(setup, without_tail)))),
-    ("reconciliation left out", mutant(|setup| Box::new(Unreconciled::new(setup)))),
-    ("kernel sampled at cell centres", mutant(|setup| Box::new(Visibility::exact(&at_centres(setup))))),
+    ("correlation forced to 0", mutant(&|setup| Box::new(Visibility::exact(&without_correlation(setup))))),
+    ("tail beyond the map dropped", mutant(&|setup| Box::new(Visibility::new(setup, without_tail)))),
+    ("reconciliation left out", mutant(&|setup| Box::new(Unreconciled::new(setup)))),
+    ("kernel sampled at cell centres", mutant(&|setup| Box::new(Visibility::exact(&at_centres(setup))))),
 ];
 
-const fn mutant(build: fn(&Model) -> Box<dyn Mapper>) -> Entry {
+const fn mutant(build: &'static Build) -> Entry {
     Entry { name: "visibility", summary: "a mutant", source: "tests", kind: Kind::Online, build }
 }
 

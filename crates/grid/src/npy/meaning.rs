@@ -25,7 +25,7 @@ impl Meaning {
     }
 
     /// The occupancy of a value; `None` for one out of range.
-    pub(super) fn occupancy(&mut self, value: f64) -> Option<Option<f32>> {
+    pub(super) fn occupancy(&mut self, value: f64) -> Option<Option<f64>> {
         let integer = matches!(self.kind, Kind::Signed | Kind::Unsigned);
         match self.kind {
             Kind::Float if value.is_nan() => Some(None),
@@ -36,12 +36,12 @@ impl Meaning {
                 } else if value > 0.0 && value < 1.0 {
                     self.shares += 1;
                 }
-                (0.0..=1.0).contains(&value).then_some(Some(value as f32))
+                (0.0..=1.0).contains(&value).then_some(Some(value))
             }
             _ if integer && (0.0..=100.0).contains(&value) => {
                 self.most = self.most.max(value);
                 self.between += usize::from(value > 0.0);
-                Some(Some((value / 100.0) as f32))
+                Some(Some(value / 100.0))
             }
             // -1, and what it is in an unsigned byte.
             _ if value < 0.0 => {

@@ -16,13 +16,13 @@ const MAX_CELLS: u64 = 100_000_000;
 
 /// Occupancy without a place: an NPY file knows no lengths.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Array {
+pub struct Array<T = f32> {
     /// Cells along x.
     pub width: usize,
     /// Cells along y.
     pub height: usize,
     /// Share of occupancy from 0 to 1, `None` where nothing is known; row by row, row 0 the lowest.
-    pub occupancy: Vec<Option<f32>>,
+    pub occupancy: Vec<Option<T>>,
 }
 
 /// Why a file is no map. Every message is one line: place, value, bound, what to do.
@@ -82,11 +82,28 @@ pub fn read(path: &Path) -> Result<Array, NpyError> {
     read_from(BufReader::new(file), length, path)
 }
 
+/// As [`read_from`], with float64 as it is.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_in_full(file: impl io::Read, length: u64, path: &Path) -> Result<Array<f64>, NpyError> {
+    read_as(file, length, path, |share| share)
+}
+
 /// As [`read`], from a source of exactly `length` bytes; `path` is named in messages.
 ///
 /// # Errors
 /// As [`read`].
-pub fn read_from(mut file: impl io::Read, length: u64, path: &Path) -> Result<Array, NpyError> {
+pub fn read_from(file: impl io::Read, length: u64, path: &Path) -> Result<Array, NpyError> {
+    read_as(file, length, path, |share| share as f32)
+}
+
+fn read_as<T: Clone>(
+    mut file: impl io::Read,
+    length: u64,
+    path: &Path,
+    kept: impl Fn(f64) -> T,
+) -> Result<Array<T>, NpyError> {
     let reader = Reader { path };
     let unreadable = |source| reader.unreadable(source);
     let header = reader.header(&mut file)?;
@@ -110,10 +127,11 @@ pub fn read_from(mut file: impl io::Read, length: u64, path: &Path) -> Result<Ar
         file.read_exact(bytes).map_err(unreadable)?;
         let value = number.value(bytes);
         let (row, column) = if header.fortran_order { (k % height, k / height) } else { (k / width, k % width) };
-        occupancy[row * width + column] = meaning.occupancy(value).ok_or_else(|| {
+        let share = meaning.occupancy(value).ok_or_else(|| {
             let (bound, remedy) = meaning.range(value);
             reader.value(&format!("value [{row}, {column}]"), number.shown(value), bound, remedy)
         })?;
+        occupancy[row * width + column] = share.map(&kept);
     }
     if let Some((what, value, bound, remedy)) = meaning.doubt() {
         return Err(reader.value(what, value, bound, remedy));

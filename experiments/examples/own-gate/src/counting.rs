@@ -11,7 +11,7 @@ pub(crate) const COUNTING: Entry = Entry {
     summary: "the share of looks at a cell that hit it",
     source: "own-gate",
     kind: Kind::Online,
-    build: |setup| Box::new(Counting::new(setup)),
+    build: &|setup| Box::new(Counting::new(setup)),
 };
 
 struct Counting {

@@ -17,6 +17,7 @@ use crate::failure::Failure;
 use crate::output::args::{Format, ThreadsOption};
 use crate::output::ledger::RECORD;
 use crate::page::{self, Folder};
+use crate::programs::options::ProgramOptions;
 
 /// What the page of a comparison needs of its record.
 #[derive(Deserialize)]
@@ -31,6 +32,8 @@ struct Configuration {
     seeds: u32,
     batch_seeds: u32,
     mappers: Vec<String>,
+    #[serde(default)]
+    programs: Vec<Value>,
     prior: Prior,
     reconciliation: String,
     repeats: Vec<usize>,
@@ -43,6 +46,10 @@ struct Configuration {
 /// A folder that `compare` did not leave, or whose numbers this program does not find again.
 pub fn page(folder: &Folder, record: &Value) -> Result<String, Failure> {
     let Made { configuration: made } = folder.understand(record)?;
+    if !made.programs.is_empty() {
+        let why = "was made with a program (--mapper), and `report` starts none; run the command of the folder again";
+        return Err(folder.refuse(RECORD, why));
+    }
     let plan = plan(folder, made)?;
     folder.same_configuration(record, &outputs::record(&plan))?;
     let (viewer, worlds) = showcase::look(&plan)?;
@@ -69,6 +76,7 @@ fn plan(folder: &Folder, made: Configuration) -> Result<Plan, Failure> {
         seeds: Some(made.seeds),
         batch_seeds: Some(made.batch_seeds),
         mappers: made.mappers,
+        programs: ProgramOptions::default(),
         quick: false,
         prior,
         out: None,

@@ -91,6 +91,7 @@ mod tests {
             reliability: Vec::new(),
             range: Vec::new(),
             looks: Vec::new(),
+            fault: None,
         };
         WorldScores { job, maps: vec![map] }
     }

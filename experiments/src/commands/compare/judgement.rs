@@ -152,6 +152,7 @@ mod tests {
             reliability: Vec::new(),
             range: Vec::new(),
             looks: Vec::new(),
+            fault: None,
         };
         let world = |(k, [ours, theirs]): (usize, &[Option<f64>; 2])| {
             let family = ["f", "g"][k % 2].to_owned();

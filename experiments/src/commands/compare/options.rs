@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use crate::output::args::{Format, PriorOptions, ThreadsOption, count, trimmed, trimmed_path};
+use crate::programs::options::ProgramOptions;
 use crate::worlds::scenes::FAMILIES;
 
 /// Options of `compare`.
@@ -31,6 +32,9 @@ pub struct CompareOptions {
     /// Mappers, comma-separated; visibility, which all are compared with, must be among them [default: all, see `list`]
     #[arg(long, value_name = "A,B", value_delimiter = ',', value_parser = trimmed)]
     pub mappers: Vec<String>,
+    /// Programs of one's own that are compared too
+    #[command(flatten)]
+    pub programs: ProgramOptions,
     /// A first impression within a minute: fewer worlds, one of each family for batch mappers, fewer repeats
     #[arg(long)]
     pub quick: bool,

@@ -15,6 +15,7 @@ use crate::output::ledger::RECORD;
 use crate::output::record::Record;
 use crate::output::table::Table;
 use crate::page::{self, Viewer};
+use crate::programs::options::ProgramRecord;
 use crate::worlds::claims::Claim;
 
 /// What the record of a comparison holds.
@@ -32,6 +33,8 @@ struct Configuration {
     seeds: u64,
     batch_seeds: u64,
     mappers: Vec<&'static str>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    programs: Vec<ProgramRecord>,
     reference: &'static str,
     prior: Prior,
     reconciliation: Reconciliation,
@@ -48,6 +51,7 @@ pub fn record(plan: &Plan) -> Record<Parts> {
         seeds: plan.seeds,
         batch_seeds: plan.batch_seeds,
         mappers: plan.names(),
+        programs: plan.programs.clone(),
         reference: REFERENCE,
         prior: plan.assumed.prior,
         reconciliation: plan.assumed.reconciliation,

@@ -9,8 +9,9 @@ use scene::{Family, Set};
 use super::options::{CompareOptions, Worlds};
 use super::world::WorldJob;
 use crate::failure::Failure;
+use crate::programs::options::ProgramRecord;
 use crate::worlds::condition::{AS_BELIEVED, Condition, DEPARTURES};
-use crate::worlds::mappers::entries;
+use crate::worlds::mappers::{entries, own};
 use crate::worlds::scenes::families;
 use crate::worlds::site::{Assumptions, WorldId};
 
@@ -34,6 +35,8 @@ pub struct Plan {
     pub batch_seeds: u64,
     /// The mappers, the reference among them.
     pub mappers: Vec<&'static Entry>,
+    /// The programs among them.
+    pub programs: Vec<ProgramRecord>,
     /// What they assume.
     pub assumed: Assumptions,
     /// How often a scan is repeated, rising; nothing is where nothing is to be repeated.
@@ -50,8 +53,10 @@ impl Plan {
     /// name; too many seeds.
     pub fn new(options: &CompareOptions) -> Result<Self, Failure> {
         let mappers = match options.mappers.is_empty() {
-            true => MAPPERS.iter().filter(|entry| !maps_the_same(entry, options)).collect(),
-            false => entries(&options.mappers)?,
+            true => {
+                MAPPERS.iter().filter(|entry| !maps_the_same(entry, options)).chain(own(&options.programs)?).collect()
+            }
+            false => entries(&options.mappers, &options.programs)?,
         };
         if !mappers.iter().any(|entry| entry.name == REFERENCE) {
             let message = format!("--mappers: all are compared with {REFERENCE}, which is not among them; add it");
@@ -85,6 +90,7 @@ impl Plan {
             seeds,
             batch_seeds,
             mappers,
+            programs: options.programs.record(),
             assumed: Assumptions::of(&options.prior),
             repeats,
             repeated_scans,

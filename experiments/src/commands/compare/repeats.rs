@@ -62,17 +62,19 @@ pub fn repeat(
                 (done..repeats).for_each(|_| mapper.integrate(&simulated.scan));
                 done = repeats;
                 mapper.settle();
-                let scores = scorer.scores(mapper.occupancy(), &mask)?;
+                // A program that gives no map has no values.
+                let has_map = mapper.outside().is_none_or(|outside| outside.fault.is_none());
+                let scores = has_map.then(|| scorer.scores(mapper.occupancy(), &mask)).transpose()?;
                 repeated.push(Repeated {
                     family: job.world.family.clone(),
                     seed: job.world.seed,
                     scan: number,
                     mapper: entry.name,
                     repeats,
-                    log_loss: scores.log_loss.value,
-                    free_known: scores.free_known.value,
-                    phantom_area: scores.phantom_area.value,
-                    missed_area: scores.missed_area.value,
+                    log_loss: scores.as_ref().and_then(|scores| scores.log_loss.value),
+                    free_known: scores.as_ref().and_then(|scores| scores.free_known.value),
+                    phantom_area: scores.as_ref().and_then(|scores| scores.phantom_area.value),
+                    missed_area: scores.as_ref().and_then(|scores| scores.missed_area.value),
                 });
             }
         }

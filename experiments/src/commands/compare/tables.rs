@@ -14,8 +14,8 @@ pub fn scores(worlds: &[WorldScores], mapper: &str) -> Table {
     let mut rows = Vec::new();
     for WorldScores { job, maps } in worlds {
         let own = maps.iter().filter(|map| map.mapper == mapper);
-        let regions = own.flat_map(|map| map.regions.iter().map(|scores| (&map.mapper, scores)));
-        rows.extend(regions.map(|(mapper, scores)| (&job.world, mapper, scores)));
+        let regions = own.flat_map(|map| map.regions.iter().map(move |scores| (map, scores)));
+        rows.extend(regions.map(|(map, scores)| (&job.world, &map.mapper, scores, &map.fault)));
     }
     let table = Table::of(
         &rows,
@@ -28,7 +28,12 @@ pub fn scores(worlds: &[WorldScores], mapper: &str) -> Table {
             ("cells", &|row| json!(row.2.cells)),
         ],
     );
-    table.with(&rows, &CRITERIA.map(|criterion| criterion.metric), |row, number| optional(row.2.values[number]))
+    let table =
+        table.with(&rows, &CRITERIA.map(|criterion| criterion.metric), |row, number| optional(row.2.values[number]));
+    match rows.iter().any(|row| row.3.is_some()) {
+        true => table.and(&rows, &[("error", &|row| json!(row.3))]),
+        false => table,
+    }
 }
 
 /// A mean over the worlds of a scope.

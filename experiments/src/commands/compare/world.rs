@@ -3,7 +3,9 @@
 use grid::Raster;
 use mapper::catalogue::{Entry, Kind};
 use scene::Family;
-use score::{ErrorProfile, LOOK_EDGES, ProbabilityBin, RANGE_EDGES_M, Region, error_profile, probability_bins};
+use score::{
+    ErrorProfile, LOOK_EDGES, PROBABILITY_EDGES, ProbabilityBin, RANGE_EDGES_M, Region, error_profile, probability_bins,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
@@ -42,6 +44,9 @@ pub struct MapScores {
     pub range: Vec<ErrorSum>,
     /// ... and against [`LOOK_EDGES`].
     pub looks: Vec<ErrorSum>,
+    /// Why there is no map, of a program that gave none; all else is then without values.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fault: Option<String>,
 }
 
 /// The metrics of a map over a region.
@@ -116,15 +121,35 @@ impl WorldJob {
             let profile = |covariate: &Raster<f64>, edges: &[f64]| -> Result<Vec<ErrorSum>, Failure> {
                 Ok(sums(&error_profile(map, &ground.truth, &observable, covariate, edges)?))
             };
+            let regions = Region::ALL.iter().map(|region| region_scores(trial, run, region.name())).collect();
+            if let Some(fault) = &end.fault {
+                return Ok(MapScores::without_map(run.mapper, regions, fault));
+            }
             Ok(MapScores {
                 mapper: run.mapper.to_owned(),
-                regions: Region::ALL.iter().map(|region| region_scores(trial, run, region.name())).collect(),
+                regions,
                 reliability: probability_bins(map, &ground.truth, &observable)?,
                 range: profile(trial.seen.nearest_m(), &RANGE_EDGES_M)?,
                 looks: profile(&looks, &LOOK_EDGES)?,
+                fault: None,
             })
         };
         Ok(WorldScores { job: self.clone(), maps: trial.runs.iter().map(score).collect::<Result<_, _>>()? })
+    }
+}
+
+impl MapScores {
+    /// What there is of a program that gave no map.
+    fn without_map(mapper: &str, regions: Vec<RegionScores>, fault: &str) -> Self {
+        let none = |edges: &[f64]| vec![ErrorSum::default(); edges.len() - 1];
+        Self {
+            mapper: mapper.to_owned(),
+            regions,
+            reliability: vec![ProbabilityBin::default(); PROBABILITY_EDGES.len() - 1],
+            range: none(&RANGE_EDGES_M),
+            looks: none(&LOOK_EDGES),
+            fault: Some(fault.to_owned()),
+        }
     }
 }
 

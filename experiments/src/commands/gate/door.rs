@@ -6,3 +6,4 @@ pub use super::options::GateOptions;
 pub use super::verdict::{Outcome, Verdict};
 pub use super::{judge, mappers, program, run_with};
 pub use crate::output::args::{Format, FormatOption, ThreadsOption};
+pub use crate::programs::options::ProgramOptions;

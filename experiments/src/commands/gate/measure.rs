@@ -128,6 +128,9 @@ fn values(
             return Err(format!("it panicked: {}", panic_text(&*panic).unwrap_or("no message")));
         }
     };
+    if let Some(fault) = trial.fault(0) {
+        return Err(fault.to_owned());
+    }
     let last = trial.runs.first().map_or(0, |run| run.stages.len().saturating_sub(1));
     let value = |(metric, region): &(String, String)| {
         let value = trial.metric(entry.name, last, region, metric).and_then(|metric| metric.value);

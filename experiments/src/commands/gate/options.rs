@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Parser;
 
 use crate::output::args::{FormatOption, ThreadsOption, trimmed};
+use crate::programs::options::ProgramOptions;
 
 /// Checks maps against bounds and baselines, for the build to fail when they get worse
 #[derive(Debug, Clone, Parser)]
@@ -34,6 +35,9 @@ pub struct GateOptions {
     /// Also write the outcome in Markdown; appended if FILE is the one that GITHUB_STEP_SUMMARY names
     #[arg(long, value_name = "FILE")]
     pub summary: Option<PathBuf>,
+    /// Programs of one's own that gates may name
+    #[command(flatten)]
+    pub programs: ProgramOptions,
     /// How the table is printed
     #[command(flatten)]
     pub print: FormatOption,

@@ -13,6 +13,8 @@ use super::recording::{self, Recording};
 use super::seen::{Reach, Seen};
 use crate::failure::Failure;
 use crate::jobs::progress::Count;
+use crate::output::note;
+use crate::worlds::faults;
 
 /// Scans that are read before the mappers take them, each on a thread.
 pub(super) const BATCH: usize = 64;
@@ -20,6 +22,8 @@ pub(super) const BATCH: usize = 64;
 /// What mappers made of the scans that were not kept back.
 pub(super) struct Maps {
     pub(super) maps: Vec<Map>,
+    /// Mappers that gave no map, which only programs can be, and why.
+    pub(super) faults: Vec<(&'static str, String)>,
     /// Cells that a beam crossed or ended in.
     pub(super) seen: Raster<bool>,
 }
@@ -73,10 +77,25 @@ pub(super) fn map(
     take(&mut batch, &mut mappers);
     mappers.par_iter_mut().for_each(|mapper| mapper.settle());
     progress.finish();
-    let maps = entries.iter().zip(&mappers).map(|(entry, mapper)| Map {
-        mapper: entry.name,
-        occupancy: mapper.occupancy().clone(),
-        pairs: mapper.pairwise(),
-    });
-    Ok(Maps { maps: maps.collect(), seen: seen.cells })
+    let (mut maps, mut faults) = (Vec::new(), Vec::new());
+    for (entry, mapper) in entries.iter().zip(&mappers) {
+        match mapper.outside().and_then(|outside| outside.fault.clone()) {
+            Some(fault) => faults.push((entry.name, fault)),
+            None => {
+                maps.push(Map { mapper: entry.name, occupancy: mapper.occupancy().clone(), pairs: mapper.pairwise() })
+            }
+        }
+        if let Some(outside) = mapper.outside() {
+            note(format_args!("{}: {:.2} s in its process", entry.name, outside.seconds));
+        }
+    }
+    if maps.is_empty() {
+        faults::none(&lines(&faults))?;
+    }
+    Ok(Maps { maps, faults, seen: seen.cells })
+}
+
+/// Faults as lines.
+pub(super) fn lines(faults: &[(&'static str, String)]) -> Vec<String> {
+    faults.iter().map(|(mapper, fault)| format!("{mapper}: {fault}")).collect()
 }

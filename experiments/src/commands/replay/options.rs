@@ -10,6 +10,7 @@ use sensor::{Laser, SensorModel, Stereo};
 use crate::failure::Failure;
 use crate::output::args::{FormatOption, Given, PriorOptions, ThreadsOption, count, positive, probability, trimmed};
 use crate::output::folder;
+use crate::programs::options::ProgramOptions;
 use crate::worlds::agreement::Spread;
 use crate::worlds::reading::{self, FanArgs};
 
@@ -38,6 +39,9 @@ pub struct ReplayOptions {
     /// Mappers, comma-separated (see `list`)
     #[arg(long, value_name = "A,B", value_delimiter = ',', value_parser = trimmed, default_value = MAPPERS)]
     pub mappers: Vec<String>,
+    /// Programs of one's own that map too
+    #[command(flatten)]
+    pub programs: ProgramOptions,
     /// Keep every K-th scan back, for the maps to predict
     #[arg(long, value_name = "K", default_value_t = 10, allow_negative_numbers = true, value_parser = clap::value_parser!(u64).range(2..=1_000_000))]
     pub hold_out: u64,

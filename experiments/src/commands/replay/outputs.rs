@@ -52,7 +52,11 @@ pub(super) fn write(staging: &mut Staging, told: &Told) -> Result<(), Failure> {
     let bytes = figure::draw(&drawn, &told.maps.seen, told.setup.prior.marginal(), &told.survey.path)?;
     staging.write("maps.png", |out| out.write_all(&bytes))?;
     let picture = Picture { name: "maps.png".to_owned(), caption: figure::CAPTION.to_owned(), bytes };
-    let configuration = configuration(told);
+    let mut configuration = configuration(told);
+    let programs = told.options.programs.record();
+    if !programs.is_empty() {
+        configuration["programs"] = json!(programs);
+    }
     let files = staging.files_and(&["report.html", RECORD]);
     let page = Page {
         title: format!("Replay of {}", name(told.options)),

@@ -9,7 +9,7 @@ use serde_json::json;
 use super::mapping::{BATCH, Map, Maps, is_kept_back};
 use super::recording::{self, Recording};
 use crate::failure::Failure;
-use crate::output::table::{Table, rounded};
+use crate::output::table::{Table, optional, rounded};
 use crate::worlds::agreement::{Agreement, Spread};
 
 /// The maps' scores.
@@ -21,6 +21,8 @@ pub(super) struct Predictions {
     pub(super) scans: usize,
     /// Readings of theirs that were predicted.
     pub(super) readings: u64,
+    /// Mappers that gave no map, and why.
+    pub(super) faults: Vec<(&'static str, String)>,
     /// How far they agree with a map, if there is one that knows anything.
     pub(super) agreement: Option<Judged>,
 }
@@ -114,21 +116,25 @@ impl Predictions {
             mapper: maps.maps[map].mapper,
             agreement: scans.iter().map(|scan| scan.agreements[map]).fold(Agreement::default(), Agreement::and),
         });
-        Ok(Self { rows, baseline, scans: scans.len(), readings, agreement })
+        Ok(Self { rows, baseline, scans: scans.len(), readings, faults: maps.faults.clone(), agreement })
     }
 
-    /// As `replay` prints them.
+    /// As `replay` prints them; where programs gave no map, with a row and the error for each.
     pub(super) fn table(&self) -> Table {
-        Table::of(
-            &self.rows,
+        let scored = self.rows.iter().map(|row| (row.name.as_str(), Some(row.loss), None));
+        let failed = self.faults.iter().map(|(mapper, fault)| (*mapper, None, Some(fault)));
+        let rows: Vec<(&str, Option<SeriesMean>, Option<&String>)> = scored.chain(failed).collect();
+        let table = Table::of(
+            &rows,
             &[
-                ("mapper", &|row| json!(row.name)),
-                ("readings", &|_| json!(self.readings)),
-                ("predictive_log_loss", &|row| rounded(row.loss.mean)),
-                ("low", &|row| rounded(row.loss.interval.low)),
-                ("high", &|row| rounded(row.loss.interval.high)),
+                ("mapper", &|row| json!(row.0)),
+                ("readings", &|row| json!(row.1.map(|_| self.readings))),
+                ("predictive_log_loss", &|row| optional(row.1.map(|loss| loss.mean))),
+                ("low", &|row| optional(row.1.map(|loss| loss.interval.low))),
+                ("high", &|row| optional(row.1.map(|loss| loss.interval.high))),
             ],
-        )
+        );
+        if self.faults.is_empty() { table } else { table.and(&rows, &[("error", &|row| json!(row.2))]) }
     }
 
     /// Every row's difference from the baseline.

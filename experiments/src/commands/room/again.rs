@@ -13,6 +13,7 @@ use super::{document, outputs};
 use crate::failure::Failure;
 use crate::output::args::{Format, PriorOptions, ThreadsOption};
 use crate::page::{self, Folder, ViewedWorld, Viewer};
+use crate::programs::options::ProgramOptions;
 use crate::worlds::run::Keep;
 
 /// What the page of a room needs of its record.
@@ -29,6 +30,8 @@ struct Configuration {
     layout: Option<u64>,
     seeds: u32,
     mappers: Vec<String>,
+    #[serde(default)]
+    programs: Vec<Value>,
     prior: Prior,
     reconciliation: String,
 }
@@ -45,6 +48,7 @@ impl Made {
             seeds,
             grid,
             mappers,
+            programs: ProgramOptions::default(),
             prior,
             out: None,
             format: Format::Text,
@@ -59,6 +63,10 @@ impl Made {
 /// A folder that `room` did not leave, or whose numbers this program does not find again.
 pub fn page(folder: &Folder, record: &Value) -> Result<String, Failure> {
     let made: Made = folder.understand(record)?;
+    if !made.configuration.programs.is_empty() {
+        let why = "was made with a program (--mapper), and `report` starts none; run the command of the folder again";
+        return Err(folder.refuse("run.json", why));
+    }
     let prior = folder.prior(&made.configuration.prior, &made.configuration.reconciliation)?;
     let options = made.options(prior);
     let plan = RoomPlan::of(&options)?;

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::output::args::{Format, PriorOptions, ThreadsOption, count, positive, trimmed};
+use crate::programs::options::ProgramOptions;
 
 /// A million maps in one run is a sweep, not a table with a spread.
 const MOST_SEEDS: u32 = 10_000;
@@ -35,6 +36,9 @@ pub struct RoomOptions {
         default_value = "visibility,visibility-lateral,visibility-printed,conventional"
     )]
     pub mappers: Vec<String>,
+    /// Programs of one's own that map too
+    #[command(flatten)]
+    pub programs: ProgramOptions,
     /// What the mappers assume before the first reading
     #[command(flatten)]
     pub prior: PriorOptions,

@@ -7,6 +7,7 @@ use mapper::catalogue::Entry;
 use serde_json::json;
 
 use super::document;
+use super::programs;
 use super::record::Parts;
 use super::summary::over_seeds;
 use crate::failure::Failure;
@@ -25,6 +26,7 @@ struct Scored<'a> {
     mapper: &'static str,
     stage: &'a str,
     score: &'a RegionScore,
+    fault: Option<&'a str>,
 }
 
 /// Every metric of every seed, mapper, stage and region.
@@ -33,12 +35,12 @@ pub(super) fn metrics(ground: &Ground, trials: &[Trial], stages: &[Stage]) -> Ta
     for trial in trials {
         for run in &trial.runs {
             for (stage, map) in stages.iter().zip(&run.stages) {
-                let (seed, mapper, stage) = (trial.seed, run.mapper, stage.name.as_str());
-                rows.extend(map.scores.iter().map(|score| Scored { seed, mapper, stage, score }));
+                let (seed, mapper, stage, fault) = (trial.seed, run.mapper, stage.name.as_str(), map.fault.as_deref());
+                rows.extend(map.scores.iter().map(|score| Scored { seed, mapper, stage, score, fault }));
             }
         }
     }
-    Table::of(
+    let table = Table::of(
         &rows,
         &[
             ("scene", &|_| json!(ground.scene.name)),
@@ -51,7 +53,11 @@ pub(super) fn metrics(ground: &Ground, trials: &[Trial], stages: &[Stage]) -> Ta
             ("unit", &|row| json!(row.score.metric.unit)),
             ("support", &|row| json!(row.score.metric.support)),
         ],
-    )
+    );
+    match trials.iter().flat_map(|trial| &trial.runs).any(|run| run.program.is_some()) {
+        true => table.and(&rows, &[("error", &|row| json!(row.fault))]),
+        false => table,
+    }
 }
 
 /// Every file that may come of it, beside the record.
@@ -62,7 +68,8 @@ pub(super) fn names(ground: &Ground, mappers: &[&Entry]) -> Vec<String> {
     let maps = mappers
         .iter()
         .flat_map(|entry| stages().flat_map(|stage| output::map::names(&format!("{}-{stage}", entry.name))));
-    tables.into_iter().chain(pictures).map(str::to_owned).chain(maps).collect()
+    let said = mappers.iter().map(|entry| programs::stderr_file(entry.name));
+    tables.into_iter().chain(pictures).map(str::to_owned).chain(maps).chain(said).collect()
 }
 
 /// Writes everything; readings, maps and pictures are those of the first seed.
@@ -86,9 +93,13 @@ pub(super) fn write(
     staging.write("truth.npy", |out| npy::write(&truth, out))?;
     for run in &first.runs {
         for ((stage, map), reached) in stages.iter().zip(&run.stages).zip(&first.reached) {
+            if map.fault.is_some() {
+                continue;
+            }
             output::map::write(staging, &format!("{}-{}", run.mapper, stage.name), &map.occupancy, reached)?;
         }
     }
+    programs::save_stderr(staging, trials, stages)?;
     let pictures = pictures(staging, ground, first, stages)?;
     let rows = document::rows(&metrics.csv()?).map_err(Failure::internal)?;
     let json = record.json(&staging.files_and(&["report.html", RECORD]))?;
@@ -105,7 +116,9 @@ fn summary(ground: &Ground, trials: &[Trial], stages: &[Stage]) -> Table {
         for (i, (stage, map)) in stages.iter().zip(&run.stages).enumerate() {
             for score in &map.scores {
                 let spread = over_seeds(trials, run.mapper, i, &score.region, score.metric.name);
-                rows.push((Scored { seed: trials[0].seed, mapper: run.mapper, stage: &stage.name, score }, spread));
+                let scored =
+                    Scored { seed: trials[0].seed, mapper: run.mapper, stage: &stage.name, score, fault: None };
+                rows.push((scored, spread));
             }
         }
     }

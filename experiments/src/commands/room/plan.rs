@@ -23,7 +23,7 @@ pub(super) struct RoomPlan {
 
 impl RoomPlan {
     pub(super) fn of(options: &RoomOptions) -> Result<Self, Failure> {
-        let mappers = entries(&options.mappers)?;
+        let mappers = entries(&options.mappers, &options.programs)?;
         let scene = scene::load(&options.scene, options.grid, options.layout)?;
         let Site { ground, setup } = Site::of(scene, &AS_BELIEVED, &Assumptions::of(&options.prior))?;
         Ok(Self { frames: page::moments(&ground, page::FRAMES), ground, mappers, setup })

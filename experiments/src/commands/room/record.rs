@@ -8,6 +8,7 @@ use sensor::Matcher;
 use serde::Serialize;
 
 use super::options::RoomOptions;
+use crate::programs::options::ProgramRecord;
 use crate::worlds::claims::Claim;
 use crate::worlds::run::{Ground, Stage};
 
@@ -38,6 +39,9 @@ pub(super) struct Configuration {
     pub seeds: u32,
     /// Mappers in order.
     pub mappers: Vec<&'static str>,
+    /// The programs among them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub programs: Vec<ProgramRecord>,
     /// What the mappers assume before the first reading.
     pub prior: Prior,
     /// What becomes of edges on no ray.
@@ -77,6 +81,7 @@ impl Parts {
                 layout: ground.scene.layout,
                 seeds: options.seeds,
                 mappers: mappers.iter().map(|entry| entry.name).collect(),
+                programs: options.programs.record(),
                 prior: options.prior.prior(),
                 reconciliation: options.prior.reconciliation(),
                 sensor: ground.scene.matcher,

@@ -4,8 +4,8 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use mapper::Model;
-use mapper::Work;
-use mapper::catalogue::{Entry, Kind};
+use mapper::catalogue::Entry;
+use mapper::{Outside, Work};
 
 use super::scans::{ScanSet, Visited};
 use crate::failure::Failure;
@@ -19,6 +19,8 @@ pub struct Speed {
     pub seconds: Vec<f64>,
     /// What it did and held in a repeat.
     pub work: Work,
+    /// What became of the program, of a mapper that works in another process: in the last repeat, or in the first that failed.
+    pub outside: Option<Outside>,
 }
 
 /// The mappers in the order of a repeat: each begins once before any begins twice, so that what the machine does
@@ -40,32 +42,40 @@ pub fn measure(
     repeats: usize,
     watch: impl Fn(),
 ) -> Result<Vec<Speed>, Failure> {
-    let mut times: Vec<(Vec<f64>, Work)> = vec![Default::default(); entries.len()];
+    let mut speeds: Vec<Speed> =
+        entries.iter().map(|entry| Speed::of(entry.name, Vec::new(), Work::default())).collect();
     for repeat in 0..repeats {
         for (number, entry) in rotated(entries, repeat) {
-            let (seconds, work) = once(entry, setup, set);
-            check(entry.name, work, visited)?;
-            times[number].0.push(seconds);
-            times[number].1 = work;
+            let speed = &mut speeds[number];
+            if speed.fault().is_none() {
+                let (seconds, work, outside) = once(entry, setup, set);
+                check(entry.name, work, visited)?;
+                speed.seconds.push(seconds);
+                (speed.work, speed.outside) = (work, outside);
+            }
             watch();
         }
     }
-    Ok(entries.iter().zip(times).map(|(entry, (seconds, work))| Speed::of(entry.name, seconds, work)).collect())
+    for speed in &mut speeds {
+        speed.seconds.sort_by(f64::total_cmp);
+        if speed.fault().is_some() {
+            speed.seconds.clear();
+        }
+    }
+    Ok(speeds)
 }
 
 /// One map from all scans: time, s, without that for the unseen map, and work.
-fn once(entry: &Entry, setup: &Model, set: &ScanSet) -> (f64, Work) {
+fn once(entry: &Entry, setup: &Model, set: &ScanSet) -> (f64, Work, Option<Outside>) {
     let mut mapper = (entry.build)(setup);
     let start = Instant::now();
     set.scans.iter().for_each(|scan| mapper.integrate(scan));
-    if entry.kind == Kind::Batch {
-        mapper.settle();
-    }
+    mapper.settle();
     let seconds = start.elapsed().as_secs_f64();
     // What it holds before it shows its map to others, which may take a copy.
     let work = mapper.work();
     black_box(mapper.occupancy());
-    (seconds, work)
+    (seconds, work, mapper.outside().cloned())
 }
 
 /// Whether a mapper that counts did what the rays ask for.
@@ -84,7 +94,12 @@ impl Speed {
     /// The speed of a mapper that took so long, s, in its repeats.
     pub fn of(mapper: &'static str, mut seconds: Vec<f64>, work: Work) -> Self {
         seconds.sort_by(f64::total_cmp);
-        Self { mapper, seconds, work }
+        Self { mapper, seconds, work, outside: None }
+    }
+
+    /// Why a program has no time: it gave no map.
+    pub fn fault(&self) -> Option<&str> {
+        self.outside.as_ref()?.fault.as_deref()
     }
 
     /// Time of the best repeat, s.
@@ -109,6 +124,7 @@ mod tests {
 
     use grid::Raster;
     use mapper::Mapper;
+    use mapper::catalogue::Kind;
     use sensor::{Pose, Scan, Stereo};
 
     use super::*;
@@ -138,7 +154,7 @@ mod tests {
         summary: "",
         source: "",
         kind: Kind::Online,
-        build: |setup| Box::new(Lazy { occupancy: Raster::filled(setup.grid, 0.5), cells: 0 }),
+        build: &|setup| Box::new(Lazy { occupancy: Raster::filled(setup.grid, 0.5), cells: 0 }),
     };
 
     fn set() -> (ScanSet, Model) {

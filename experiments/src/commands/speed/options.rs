@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::scans::Kernel;
 use crate::output::args::{FormatOption, count, positive, trimmed};
+use crate::programs::options::ProgramOptions;
 
 /// Mappers that are measured where none are named: those that a robot would run, side by side with the ablations.
 pub(super) const MAPPERS: &str =
@@ -27,6 +28,9 @@ pub struct SpeedOptions {
     /// Mappers, comma-separated (see `list`); those that take all scans at once solve once, at the end
     #[arg(long, value_name = "A,B", value_delimiter = ',', value_parser = trimmed, default_value = MAPPERS)]
     pub mappers: Vec<String>,
+    /// Programs of one's own that are measured too
+    #[command(flatten)]
+    pub programs: ProgramOptions,
     /// Side of a cell in metres
     #[arg(long, value_name = "M", default_value_t = 0.05, allow_negative_numbers = true, value_parser = positive)]
     pub grid: f64,

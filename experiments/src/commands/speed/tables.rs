@@ -5,7 +5,7 @@ use serde_json::json;
 
 use super::measure::Speed;
 use super::scans::Visited;
-use crate::output::table::{Table, aligned, rounded};
+use crate::output::table::{Table, aligned, optional, rounded};
 
 /// What was mapped, on what.
 #[derive(Debug, Clone)]
@@ -29,11 +29,12 @@ fn ns_per_cell(seconds: f64, visited: &Visited) -> f64 {
     1e9 * seconds / visited.cells as f64
 }
 
-/// One row per mapper, in the order asked for. `cells_updated` is null of a mapper that does not count.
+/// One row per mapper, in the order asked for. `cells_updated` is null of a mapper that does not count. Where programs take part,
+/// `process_s` is the time in the process of one in its last repeat, and `error` why one has no times.
 pub fn table(speeds: &[Speed], conditions: &Conditions) -> Table {
     let Conditions { scans, visited, grid, .. } = conditions;
     let best = Speed::best_s;
-    Table::of(
+    let table = Table::of(
         speeds,
         &[
             ("mapper", &|speed| json!(speed.mapper)),
@@ -51,7 +52,12 @@ pub fn table(speeds: &[Speed], conditions: &Conditions) -> Table {
             ("repeats", &|_| json!(conditions.repeats)),
             ("processor", &|_| json!(conditions.processor)),
         ],
-    )
+    );
+    if speeds.iter().all(|speed| speed.outside.is_none()) {
+        return table;
+    }
+    let process = |speed: &Speed| optional(speed.outside.as_ref().map(|outside| outside.seconds));
+    table.and(speeds, &[("process_s", &process), ("error", &|speed| json!(speed.fault()))])
 }
 
 /// The table for reading, at most 80 columns wide.
@@ -61,6 +67,9 @@ pub fn text(speeds: &[Speed], conditions: &Conditions) -> String {
         .iter()
         .map(|speed| {
             let best = speed.best_s();
+            if speed.seconds.is_empty() {
+                return [speed.mapper].into_iter().chain(["-"; 6]).map(str::to_owned).collect();
+            }
             vec![
                 speed.mapper.to_owned(),
                 format!("{:.1}", ns_per_cell(best, visited)),
@@ -132,6 +141,7 @@ mod tests {
             mapper,
             seconds: vec![2.0, 3.0, 4.0],
             work: Work { cells, bytes: 25_000_000 * 72 },
+            outside: None,
         };
         (vec![speed("log-odds-cartographer", 12_345_678_901), speed("mrf", 0)], conditions)
     }

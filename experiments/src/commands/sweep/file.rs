@@ -13,6 +13,9 @@ use strict::{Error, Limit, Table, Value as Node, open, read};
 use self::values::{keys, list, paired, settings, values};
 use super::parameters::{PARAMETERS, Parameter, Settings, Value};
 use super::regions;
+use crate::failure::Failure;
+use crate::programs::options::{ProgramOptions, ProgramRecord};
+use crate::worlds::mappers::own;
 use crate::worlds::scenes::path_of;
 
 /// A sweep: what is varied over which worlds, and by which mappers they are mapped.
@@ -24,6 +27,9 @@ pub struct Sweep {
     pub of_families: bool,
     /// Names of the mappers.
     pub mappers: Vec<String>,
+    /// The programs among them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub programs: Vec<ProgramRecord>,
     /// First seed; of a family also the first layout ...
     pub first_seed: u64,
     /// ... and how many follow each other.
@@ -102,7 +108,8 @@ pub fn parse(text: &str, file: &str) -> Result<Sweep, Error> {
         }
     }
     let of_families = root.get("families").is_some();
-    let sweep = Sweep { sites: sites(&root)?, of_families, mappers, first_seed, seeds, regions, set, axes };
+    let programs = Vec::new();
+    let sweep = Sweep { sites: sites(&root)?, of_families, mappers, programs, first_seed, seeds, regions, set, axes };
     once(&root, &sweep)?;
     let jobs = sweep.jobs();
     if jobs.is_none_or(|jobs| jobs > MOST_JOBS) {
@@ -119,6 +126,16 @@ pub fn parse(text: &str, file: &str) -> Result<Sweep, Error> {
 const DEFAULT_REGIONS: [Region; 3] = [Region::Observable, Region::Visible, Region::Surface];
 
 impl Sweep {
+    /// Adds programs as mappers.
+    ///
+    /// # Errors
+    /// Two of one name.
+    pub fn with(mut self, programs: &ProgramOptions) -> Result<Self, Failure> {
+        self.mappers.extend(own(programs)?.into_iter().map(|entry| entry.name.to_owned()));
+        self.programs = programs.record();
+        Ok(self)
+    }
+
     /// Number of settings of the product.
     pub fn settings_count(&self) -> Option<u64> {
         self.axes.iter().try_fold(1u64, |product, axis| product.checked_mul(axis.steps.len() as u64))

@@ -13,6 +13,7 @@ use super::row::{SweepRow, rows};
 use super::source::{SourceFile, SourceText};
 use crate::failure::{Failure, panic_text};
 use crate::output::digest;
+use crate::programs::options::ProgramRecord;
 use crate::worlds::condition::AS_BELIEVED;
 use crate::worlds::run::{Ground, Keep};
 use crate::worlds::site::{Assumptions, Site};
@@ -33,6 +34,9 @@ pub struct Job {
     pub settings: Settings,
     /// Names of the mappers.
     pub mappers: Vec<String>,
+    /// The programs among them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub programs: Vec<ProgramRecord>,
     /// Names of the regions.
     pub regions: Vec<String>,
 }
@@ -93,8 +97,13 @@ impl Job {
         let Site { mut ground, setup } = self.site(source)?;
         self.thin(&mut ground);
         let unknown = |name: &str| Failure::BadInput(format!("there is no mapper {name:?}"));
-        let mappers: Vec<&Entry> =
-            names.iter().map(|name| find(name).ok_or_else(|| unknown(name))).collect::<Result<_, _>>()?;
+        let program = |name: &str| self.programs.iter().find(|program| program.name == name);
+        let entry = |name: &String| match (find(name), program(name)) {
+            (Some(entry), _) => Ok(entry),
+            (None, Some(program)) => program.entry(),
+            (None, None) => Err(unknown(name)),
+        };
+        let mappers: Vec<&Entry> = names.iter().map(entry).collect::<Result<_, _>>()?;
         let trial = ground.trial(self.readings_seed(), &mappers, &setup, &Keep::default(), &|_, _| {})?;
         rows(self, &ground, &trial)
     }
@@ -195,6 +204,7 @@ mod tests {
             seed: 3,
             settings: settings.map(|(key, number)| (key.to_owned(), Value::Number(number))).into(),
             mappers: vec!["visibility".to_owned()],
+            programs: Vec::new(),
             regions: vec!["observable".to_owned()],
         }
     }

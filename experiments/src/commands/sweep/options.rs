@@ -6,6 +6,7 @@ use clap::{Args, Subcommand};
 
 use super::parameters::{Of, PARAMETERS, Parameter, ParameterKind};
 use crate::output::args::{FormatOption, MOST_THREADS, ThreadsOption, count};
+use crate::programs::options::ProgramOptions;
 
 /// More shards than this are a mistake.
 const MOST_SHARDS: u32 = 1_000_000;
@@ -64,6 +65,9 @@ pub struct SweepOptions {
     /// Take the place of another sweep in the folder, whose results then do not count any more
     #[arg(long)]
     pub replace: bool,
+    /// Programs of one's own that map too
+    #[command(flatten)]
+    pub programs: ProgramOptions,
     /// How many threads work
     #[command(flatten)]
     pub threads: ThreadsOption,
@@ -103,6 +107,9 @@ pub struct PlanOptions {
     /// Take the place of another manifest, whose results then do not count any more
     #[arg(long)]
     pub replace: bool,
+    /// Programs of one's own that map too, wherever shards run
+    #[command(flatten)]
+    pub programs: ProgramOptions,
 }
 
 /// Options of `sweep run`.

@@ -66,6 +66,10 @@ pub fn rows(job: &Job, ground: &Ground, trial: &Trial) -> Result<Vec<SweepRow>, 
         let Some(last) = run.stages.len().checked_sub(1) else {
             return Err(Failure::Internal(format!("{} was never scored", run.mapper)));
         };
+        if let Some(fault) = &run.stages[last].fault {
+            rows.push(SweepRow::failed(run.mapper, fault));
+            continue;
+        }
         let metric = |region: &str, name: &str| trial.metric(run.mapper, last, region, name);
         let row = |region: String, cells, values| SweepRow {
             mapper: run.mapper.to_owned(),

@@ -59,6 +59,7 @@ pub fn plan(sweep: &Sweep, folder: &Path, shards: Option<u32>, replace: Replace)
             seed: sweep.first_seed + rest % sweep.seeds,
             settings: sweep.settings(settings),
             mappers: sweep.mappers.clone(),
+            programs: sweep.programs.clone(),
             regions: sweep.regions.clone(),
         }
     };

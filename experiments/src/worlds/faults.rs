@@ -1,0 +1,15 @@
+//! Maps that programs did not give.
+
+use crate::failure::Failure;
+
+/// Refuses to call a run good in which a program gave no map; a fault is a line with the name of the mapper and the place.
+///
+/// # Errors
+/// The first fault, and how many there are.
+pub fn none(faults: &[String]) -> Result<(), Failure> {
+    match faults {
+        [] => Ok(()),
+        [one] => Err(Failure::Claim(format!("a program gave no map: {one}"))),
+        [first, ..] => Err(Failure::Claim(format!("programs gave no map {} times, first {first}", faults.len()))),
+    }
+}
