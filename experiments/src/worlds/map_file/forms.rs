@@ -22,7 +22,7 @@ pub enum Shading {
 pub enum RowOrder {
     /// the top one, as in pictures
     Top,
-    /// the lowest one, as y runs [default]
+    /// the lowest one, as y runs: the usual one
     #[default]
     Bottom,
 }
