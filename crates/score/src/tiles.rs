@@ -117,14 +117,9 @@ impl Tiles {
     }
 }
 
-/// The middle 95 % of the values; nothing where most resamples gave none.
-fn interval(mut values: Vec<f64>) -> Option<Interval> {
-    if 2 * values.len() < RESAMPLES {
-        return None;
-    }
-    values.sort_by(f64::total_cmp);
-    let end = |share: f64| values[((share * values.len() as f64) as usize).min(values.len() - 1)];
-    Some(Interval { low: end(0.025), high: end(0.975) })
+/// The percentile interval; nothing where most resamples gave no value.
+fn interval(values: Vec<f64>) -> Option<Interval> {
+    (2 * values.len() >= RESAMPLES).then(|| Interval::percentile(values))
 }
 
 #[cfg(test)]

@@ -26,6 +26,15 @@ impl Folder<'_> {
         Failure::BadInput(format!("{}: {why}", self.path.join(file).display()))
     }
 
+    /// Refuses a folder that programs had a part in: a page is made without starting any.
+    ///
+    /// # Errors
+    /// A folder with programs in its record.
+    pub fn without_programs(&self, programs: &[Value]) -> Result<(), Failure> {
+        let why = "was made with a program (--mapper), and `report` starts none; run the command of the folder again";
+        if programs.is_empty() { Ok(()) } else { Err(self.refuse(RECORD, why)) }
+    }
+
     /// A file of the folder.
     ///
     /// # Errors

@@ -3,14 +3,13 @@
 use std::fs::{self, File};
 use std::io::{self, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use grid::{GridSpec, Raster, npy};
 use mapper::Model;
 use sensor::Scan;
 
-use super::described;
 use super::fault::Fault;
+use super::{described, unique};
 use crate::jobs::interruption::{self, CleanUp};
 
 /// The file that a program writes.
@@ -114,11 +113,8 @@ fn largest(grid: &GridSpec) -> u64 {
 }
 
 fn free_name() -> PathBuf {
-    static NEXT: AtomicU64 = AtomicU64::new(0);
-    let now = std::time::UNIX_EPOCH.elapsed().map_or(0, |since| since.as_nanos());
-    let name = format!("sightgrid-{}-{}-{now}", std::process::id(), NEXT.fetch_add(1, Ordering::SeqCst));
     let temporary = std::env::temp_dir();
-    temporary.canonicalize().unwrap_or(temporary).join(name)
+    temporary.canonicalize().unwrap_or(temporary).join(format!("sightgrid-{}", unique()))
 }
 
 /// A folder that was not there before, for nobody else.

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, ExitStatus, Stdio};
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -10,7 +9,7 @@ use std::{io, thread};
 
 use super::fault::Fault;
 use super::kept::Drain;
-use super::orphans;
+use super::{orphans, unique};
 use crate::jobs::interruption::{self, CleanUp};
 
 /// How often [`Process::wait`] looks at what a process does meanwhile.
@@ -66,9 +65,7 @@ impl Process {
     }
 
     fn spawn(mut command: Command, name: &str) -> Result<(Self, Option<ChildStdin>, Option<ChildStdout>), Fault> {
-        static NEXT: AtomicU64 = AtomicU64::new(0);
-        let now = std::time::UNIX_EPOCH.elapsed().map_or(0, |since| since.as_nanos());
-        let mark = format!("{}-{}-{now}", std::process::id(), NEXT.fetch_add(1, Ordering::SeqCst));
+        let mark = unique();
         command.env(orphans::MARK, &mark);
         let group = Arc::new(Mutex::new(Group::Before));
         let (place, marked) = (Arc::clone(&group), mark.clone());

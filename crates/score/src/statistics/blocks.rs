@@ -39,7 +39,7 @@ pub fn series_mean(series: &[(f64, u64)]) -> Result<SeriesMean, StatisticsError>
     let blocks: Vec<(f64, u64)> = (0..n).map(|first| total(&mut (first..first + block).map(|k| k % n))).collect();
     let mut rng = ChaCha8Rng::seed_from_u64(SEED);
     let mut draw = || blocks[((u64::from(rng.next_u32()) * n as u64) >> 32) as usize];
-    let mut means: Vec<f64> = (0..RESAMPLES)
+    let means = (0..RESAMPLES)
         .filter_map(|_| {
             let (sum, parts) = (0..n.div_ceil(block)).fold((0.0, 0), |(sum, parts), _| {
                 let (more, further) = draw();
@@ -48,9 +48,7 @@ pub fn series_mean(series: &[(f64, u64)]) -> Result<SeriesMean, StatisticsError>
             (parts > 0).then(|| sum / parts as f64)
         })
         .collect();
-    means.sort_by(f64::total_cmp);
-    let end = |share: f64| means[((share * means.len() as f64) as usize).min(means.len() - 1)];
-    Ok(SeriesMean { mean: sum / parts as f64, interval: Interval { low: end(0.025), high: end(0.975) } })
+    Ok(SeriesMean { mean: sum / parts as f64, interval: Interval::percentile(means) })
 }
 
 #[cfg(test)]

@@ -28,6 +28,13 @@ pub struct Interval {
 }
 
 impl Interval {
+    /// The middle 95 % of the values of resamples, of which there is one at least.
+    pub(crate) fn percentile(mut values: Vec<f64>) -> Self {
+        values.sort_by(f64::total_cmp);
+        let end = |share: f64| values[((share * values.len() as f64) as usize).min(values.len() - 1)];
+        Self { low: end(0.025), high: end(0.975) }
+    }
+
     /// Whether the interval lies on one side of zero, zero not being an end of it either.
     pub fn excludes_zero(&self) -> bool {
         self.low > 0.0 || self.high < 0.0

@@ -46,10 +46,7 @@ struct Configuration {
 /// A folder that `compare` did not leave, or whose numbers this program does not find again.
 pub fn page(folder: &Folder, record: &Value) -> Result<String, Failure> {
     let Made { configuration: made } = folder.understand(record)?;
-    if !made.programs.is_empty() {
-        let why = "was made with a program (--mapper), and `report` starts none; run the command of the folder again";
-        return Err(folder.refuse(RECORD, why));
-    }
+    folder.without_programs(&made.programs)?;
     let plan = plan(folder, made)?;
     folder.same_configuration(record, &outputs::record(&plan))?;
     let (viewer, worlds) = showcase::look(&plan)?;

@@ -63,10 +63,7 @@ impl Made {
 /// A folder that `room` did not leave, or whose numbers this program does not find again.
 pub fn page(folder: &Folder, record: &Value) -> Result<String, Failure> {
     let made: Made = folder.understand(record)?;
-    if !made.configuration.programs.is_empty() {
-        let why = "was made with a program (--mapper), and `report` starts none; run the command of the folder again";
-        return Err(folder.refuse("run.json", why));
-    }
+    folder.without_programs(&made.configuration.programs)?;
     let prior = folder.prior(&made.configuration.prior, &made.configuration.reconciliation)?;
     let options = made.options(prior);
     let plan = RoomPlan::of(&options)?;
