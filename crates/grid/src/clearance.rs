@@ -78,7 +78,8 @@ mod tests {
         let spec = solid.spec();
         let at = |cell| <[usize; 2]>::from(spec.column_row(cell)).map(|v| v as f64);
         let [x, y] = at(cell);
-        let border = [x, y, spec.width as f64 - 1.0 - x, spec.height as f64 - 1.0 - y].into_iter().fold(f64::MAX, f64::min);
+        let border =
+            [x, y, spec.width as f64 - 1.0 - x, spec.height as f64 - 1.0 - y].into_iter().fold(f64::MAX, f64::min);
         let gap = |other: usize| {
             let [dx, dy] = [0, 1].map(|k| ((at(other)[k] - at(cell)[k]).abs() - 0.5).max(0.0));
             libm::hypot(dx, dy)

@@ -8,8 +8,7 @@ use crate::geometry::distance as between;
 
 /// The stops of a way through the cells of `tour`, in which the robot drives straight from each to the next.
 pub(super) fn straight(space: &Space, tour: &[usize]) -> Vec<usize> {
-    let legs: Vec<Vec<usize>> =
-        tour.par_windows(2).map(|ends| pulled(space, &path(space, ends[0], ends[1]))).collect();
+    let legs: Vec<Vec<usize>> = tour.par_windows(2).map(|ends| pulled(space, &path(space, ends[0], ends[1]))).collect();
     let mut stops: Vec<usize> = tour.first().copied().into_iter().collect();
     stops.extend(legs.into_iter().flat_map(|leg| leg.into_iter().skip(1)));
     if let [only] = stops[..] {
