@@ -32,14 +32,20 @@ pub struct Lattice {
     set: Raster<bool>,
     /// The steps of [`AROUND`] that lead from each cell, a bit for each.
     moves: Vec<u8>,
-    costs: StepCosts,
+    /// How far in the index each of them leads, and what it costs.
+    around: [(isize, u32); 8],
+    /// More than any step costs.
+    buckets: usize,
 }
 
 impl Lattice {
     /// The lattice of the cells of `set`. O(cells).
     pub fn new(set: Raster<bool>, costs: StepCosts) -> Self {
         let moves = (0..set.values().len()).map(|cell| if set[cell] { moves(&set, cell) } else { 0 }).collect();
-        Self { set, moves, costs }
+        let StepCosts { straight, aslant } = costs;
+        let width = set.spec().width as isize;
+        let around = AROUND.map(|[dx, dy]| (dy * width + dx, if dx == 0 || dy == 0 { straight } else { aslant }));
+        Self { set, moves, around, buckets: straight.max(aslant) as usize + 1 }
     }
 
     /// Where its cells are.
@@ -59,12 +65,12 @@ impl Lattice {
 
     /// The neighbours that one can step to, with the cost of the step.
     pub fn steps(&self, cell: usize) -> impl Iterator<Item = (usize, u32)> + '_ {
-        let moves = self.moves[cell];
-        let width = self.spec().width as isize;
-        let StepCosts { straight, aslant } = self.costs;
-        AROUND.into_iter().enumerate().filter(move |(k, _)| moves >> k & 1 == 1).map(move |(_, [dx, dy])| {
-            let cost = if dx == 0 || dy == 0 { straight } else { aslant };
-            (cell.wrapping_add_signed(dy * width + dx), cost)
+        let mut left = self.moves[cell];
+        std::iter::from_fn(move || {
+            let k = (left != 0).then(|| left.trailing_zeros() as usize)?;
+            left &= left - 1;
+            let (by, cost) = self.around[k];
+            Some((cell.wrapping_add_signed(by), cost))
         })
     }
 
@@ -74,13 +80,12 @@ impl Lattice {
     /// Dijkstra's search with Dial's queue (1969): as steps cost little, what is under way lies in few buckets. O(cells).
     pub fn costs(&self, from: usize, until: &[usize]) -> Vec<u32> {
         let mut costs = vec![UNREACHED; self.moves.len()];
-        let mut buckets: Vec<Vec<usize>> = vec![Vec::new(); self.costs.aslant.max(self.costs.straight) as usize + 1];
+        let mut buckets: Vec<Vec<u32>> = vec![Vec::new(); self.buckets];
         costs[from] = 0;
-        buckets[0].push(from);
-        let (mut cost, mut waiting, mut missing) = (0u32, 1usize, until.len());
+        buckets[0].push(from as u32);
+        let (mut cost, mut bucket, mut waiting, mut missing) = (0u32, 0usize, 1usize, until.len());
         while waiting > 0 {
-            let bucket = cost as usize % buckets.len();
-            while let Some(cell) = buckets[bucket].pop() {
+            while let Some(cell) = buckets[bucket].pop().map(|cell| cell as usize) {
                 waiting -= 1;
                 if costs[cell] != cost {
                     continue; // reached by a shorter way since
@@ -94,13 +99,14 @@ impl Lattice {
                 for (to, step) in self.steps(cell) {
                     if cost + step < costs[to] {
                         costs[to] = cost + step;
-                        let bucket = (cost + step) as usize % buckets.len();
-                        buckets[bucket].push(to);
+                        let there = bucket + step as usize;
+                        buckets[if there < self.buckets { there } else { there - self.buckets }].push(to as u32);
                         waiting += 1;
                     }
                 }
             }
             cost += 1;
+            bucket = if bucket + 1 < self.buckets { bucket + 1 } else { 0 };
         }
         costs
     }
