@@ -4,6 +4,7 @@ pub(crate) mod agreement;
 pub mod claims;
 pub mod condition;
 pub mod criteria;
+pub mod drives;
 pub mod faults;
 pub mod map_file;
 pub mod mappers;

@@ -108,6 +108,8 @@ fn oracle(cells: &[(f64, bool)], cell_area: f64) -> Vec<(&'static str, Option<f6
         ("missed_area", area(count(&|p, t| t && p < 0.2), occupied), occupied),
         ("free_known", share(count(&|p, t| !t && p < 0.2), free), free),
         ("free_lost", share(phantom, free), free),
+        ("recall_50", share(count(&|p, t| t && p > 0.5), occupied), occupied),
+        ("recall_65", share(count(&|p, t| t && p > 0.65), occupied), occupied),
     ]
 }
 
@@ -132,7 +134,7 @@ proptest! {
         let judged: Vec<(f64, bool)> = cells.iter().filter_map(|(p, t)| Some((p.map(share).or(counts_as)?, (*t)?))).collect();
         let known = cells.iter().filter(|(p, t)| p.is_some() && t.is_some()).count();
         let all = cells.iter().filter(|(_, t)| t.is_some()).count();
-        let rows = place.rows(&[&["map.npy", "--truth", "truth.npy", "--unknown", unknown, "--prior", "0.3"], &AT[..]].concat());
+        let rows = place.rows(&[&["map.npy", "--truth", "truth.npy", "--unknown", unknown, "--prior", "0.3", "--plan-pairs", "0"], &AT[..]].concat());
         let mut expected = oracle(&judged, 0.25);
         expected.push(("known", Some(known as f64 / all as f64), all));
         expected.push(("outside", Some(0.0), all));

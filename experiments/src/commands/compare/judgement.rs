@@ -86,7 +86,7 @@ fn table(
     };
     let mut rows = Vec::new();
     for rival in rivals {
-        for (number, criterion) in CRITERIA.iter().enumerate() {
+        for (number, criterion) in CRITERIA.iter().enumerate().filter(|(_, criterion)| criterion.is_of(region)) {
             let (theirs, ours) = (values(rival, number), values(reference, number));
             let pairs: Vec<(f64, f64)> = theirs.iter().zip(&ours).filter_map(|(t, o)| Some(((*t)?, (*o)?))).collect();
             let mean = |of: fn(&(f64, f64)) -> f64| {
@@ -108,7 +108,8 @@ fn table(
     }
     let p =
         |row: &Judgement| row.comparison.as_ref().filter(|_| row.criterion.judged.is_some()).map(|c| c.signed_rank.p);
-    let adjusted = holm_table(&rows.chunks(CRITERIA.len()).map(|row| row.iter().map(p).collect()).collect::<Vec<_>>())?;
+    let metrics = CRITERIA.iter().filter(|criterion| criterion.is_of(region)).count();
+    let adjusted = holm_table(&rows.chunks(metrics).map(|row| row.iter().map(p).collect()).collect::<Vec<_>>())?;
     for (row, adjusted) in rows.iter_mut().zip(adjusted.into_iter().flatten()) {
         row.adjusted_p = adjusted;
         row.verdict = match (row.criterion.judged, &row.comparison, adjusted) {

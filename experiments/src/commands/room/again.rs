@@ -14,6 +14,7 @@ use crate::failure::Failure;
 use crate::output::args::{Format, PriorOptions, ThreadsOption};
 use crate::page::{self, Folder, ViewedWorld, Viewer};
 use crate::programs::options::ProgramOptions;
+use crate::worlds::drives::DriveOptions;
 use crate::worlds::run::Keep;
 
 /// What the page of a room needs of its record.
@@ -34,12 +35,14 @@ struct Configuration {
     programs: Vec<Value>,
     prior: Prior,
     reconciliation: String,
+    #[serde(default)]
+    drives: DriveOptions,
 }
 
 impl Made {
     /// The options that lead to the same run.
     fn options(self, prior: PriorOptions) -> RoomOptions {
-        let Configuration { scene, layout, seeds, mappers, .. } = self.configuration;
+        let Configuration { scene, layout, seeds, mappers, drives, .. } = self.configuration;
         let (seed, grid) = (self.seed, Some(self.grid.cell_m));
         RoomOptions {
             scene,
@@ -50,6 +53,7 @@ impl Made {
             mappers,
             programs: ProgramOptions::default(),
             prior,
+            drives,
             out: None,
             format: Format::Text,
             threads: ThreadsOption::default(),

@@ -38,7 +38,7 @@ pub(super) fn write(
         differences.save(staging, "differences.csv")?;
     }
     let pictures = pictures(staging, scored, truth, first_region, options.prior)?;
-    let configuration = configuration(scored, options);
+    let configuration = configuration(scored, truth, options);
     let page = Page {
         title: format!("Maps against {}", name(&options.truth)),
         lead: LEAD.to_owned(),
@@ -58,7 +58,7 @@ pub(super) fn write(
 }
 
 const LEAD: &str = "Maps of any maker against the truth, on the same cells.";
-const SCORES: &str = "Log loss, Brier score, calibration error (ece), phantom and missed area are better when lower, the others when higher; a dash \
+const SCORES: &str = "Log loss, Brier score, calibration error (ece), phantom and missed area, collisions and detour are better when lower, the others when higher; a dash \
     is a metric that is not defined there. Differences are over the cells that both maps are scored on; their intervals are 95 % by a bootstrap of \
     tiles of this one world, and say nothing of other worlds.";
 
@@ -87,6 +87,7 @@ fn sheets(scored: &Scored, metrics: &Table, differences: &Table) -> Vec<Part> {
         open: false,
         parts: vec![Sheet::of("", table)],
     };
+    parts.extend(scored.drives.as_ref().map(|drives| Part::Sheet(super::drives::sheet(scored, drives))));
     if scored.maps.len() > 1 {
         let caption = format!("Differences from {}", scored.maps[0].name);
         parts.push(fold(&caption, differences));
@@ -115,7 +116,7 @@ fn pictures(
 }
 
 /// What the scores were made from.
-fn configuration(scored: &Scored, options: &ScoreOptions) -> Value {
+fn configuration(scored: &Scored, truth: &Truth, options: &ScoreOptions) -> Value {
     let place = options.resolution.zip(options.origin);
     json!({
         "truth": options.truth.display().to_string(),
@@ -127,6 +128,7 @@ fn configuration(scored: &Scored, options: &ScoreOptions) -> Value {
         "unknown": options.unknown.name(),
         "prior": options.prior,
         "finer": score::Finer::from(options.finer),
+        "drives": super::drives::planning(truth, options),
         "align": options.align.name(),
         "align_bound_m": options.align_bound,
         "align_bound_deg": options.align_turn,

@@ -75,6 +75,9 @@ pub(super) fn text(scored: &Scored, truth: &Truth, options: &ScoreOptions) -> St
         let rows: Vec<Vec<String>> = scored.maps.iter().map(|map| row(&map.name, &map.rows, region)).collect();
         text += &aligned(&heads, &rows);
     }
+    if let Some(drives) = &scored.drives {
+        text += &super::drives::text(scored, drives, WIDTH);
+    }
     if scored.maps.len() > 1 {
         text += &differences(&scored.differences, &scored.maps[0].name, &scored.shown[0], &Tiles::of(spec));
     }
@@ -151,7 +154,7 @@ fn row(name: &str, rows: &[Row], region: &str) -> Vec<String> {
 }
 
 /// The end of a long name.
-fn short(name: &str) -> String {
+pub(super) fn short(name: &str) -> String {
     let letters: Vec<char> = name.chars().collect();
     if letters.len() <= NAME {
         name.to_owned()
