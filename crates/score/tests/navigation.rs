@@ -186,7 +186,8 @@ fn an_empty_map_leads_through_walls() {
     // A wall in the middle with a door at its end.
     let wall = |cell: usize| spec.column_row(cell).0 == 20 && spec.column_row(cell).1 < 22;
     let truth = Raster::new(spec, (0..spec.cells()).map(|cell| Some(wall(cell))).collect());
-    let navigation = Navigation::new(&truth, Planning::default());
+    let bold = Planning { never_seen: NeverSeen::Free, ..Planning::default() };
+    let navigation = Navigation::new(&truth, bold);
     assert_eq!(navigation.pairs(), 200);
     let solid: Vec<bool> = truth.values().iter().map(|cell| *cell == Some(true)).collect();
     let clear = |path: &[[f64; 2]]| {
@@ -205,7 +206,7 @@ fn an_empty_map_leads_through_walls() {
     let [reached, colliding, detour] = of(0.1, true).map(|value| value.expect("pairs"));
     assert!(colliding > 0.3 && reached > 0.2 && detour <= 1.0, "{reached} {colliding} {detour}");
     assert_eq!(of(0.9, false), of(0.1, true), "what was never seen is free, whatever its probability");
-    let wary = Navigation::new(&truth, Planning { never_seen: NeverSeen::Occupied, ..Planning::default() });
+    let wary = Navigation::new(&truth, Planning::default());
     let nothing = wary.metrics(&truth.map(|_| 0.1), &truth.map(|_| false), |_| true).expect("valid");
     assert_eq!(nothing.map(|metric| metric.value), [Some(0.0), Some(0.0), None]);
 }

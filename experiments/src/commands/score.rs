@@ -2,6 +2,7 @@
 
 mod alignment;
 mod candidate;
+mod driven;
 mod drives;
 mod figures;
 mod options;
@@ -119,7 +120,7 @@ fn against_first(
     for other in others {
         let pair = [(other.name.as_str(), &other.map), (first.name.as_str(), &first.map)];
         found.extend(rows::differences(pair, truth, regions, options.unknown)?);
-        found.extend(drives::differences([other, first]));
+        found.extend(driven::differences([other, first]));
     }
     Ok(found)
 }

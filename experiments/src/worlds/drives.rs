@@ -17,29 +17,32 @@ pub const REGION: Region = Region::All;
 #[command(next_help_heading = "Drives planned on the maps (reached, colliding, detour)")]
 pub struct DriveOptions {
     /// Pairs of places to drive between, drawn from the truth and the same for every map; 0 for no drives
-    #[arg(long = "plan-pairs", value_name = "N", default_value_t = Planning::default().pairs as u32, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(0..=10_000))]
-    pub pairs: u32,
+    #[arg(long, value_name = "N", default_value_t = Planning::default().pairs as u32, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(0..=10_000))]
+    #[serde(rename = "pairs")]
+    pub plan_pairs: u32,
     /// Radius of the robot's disc in metres [default: that of the scene's robot; 0.2 where the truth is a map]
-    #[arg(long = "robot-radius", value_name = "M", allow_negative_numbers = true, value_parser = radius)]
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = radius)]
     #[serde(rename = "robot_radius_m")]
     pub robot_radius: Option<f64>,
     /// A cell with a greater probability is an obstacle to the planner
-    #[arg(long = "plan-threshold", value_name = "P", default_value_t = Planning::default().threshold, allow_negative_numbers = true, value_parser = probability)]
-    pub threshold: f64,
+    #[arg(long, value_name = "P", default_value_t = Planning::default().threshold, allow_negative_numbers = true, value_parser = probability)]
+    #[serde(rename = "threshold")]
+    pub plan_threshold: f64,
     /// What a cell is to the planner of which a map knows nothing
-    #[arg(long = "plan-unknown", value_enum, default_value_t)]
-    pub unknown: PlanUnknown,
+    #[arg(long, value_enum, default_value_t)]
+    #[serde(rename = "unknown")]
+    pub plan_unknown: PlanUnknown,
 }
 
 /// Names of [`NeverSeen`] on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum PlanUnknown {
-    /// it may be driven on, as in Nav2
+    /// an obstacle: collisions then tell of the map, and not of what nobody has seen
     #[default]
-    Free,
-    /// an obstacle
     Occupied,
+    /// it may be driven on, as planners of Nav2 take it unless told otherwise
+    Free,
 }
 
 /// As in scene files.
@@ -50,21 +53,26 @@ fn radius(text: &str) -> Result<f64, String> {
 impl Default for DriveOptions {
     fn default() -> Self {
         let Planning { pairs, threshold, .. } = Planning::default();
-        Self { pairs: pairs as u32, robot_radius: None, threshold, unknown: PlanUnknown::default() }
+        Self {
+            plan_pairs: pairs as u32,
+            robot_radius: None,
+            plan_threshold: threshold,
+            plan_unknown: PlanUnknown::default(),
+        }
     }
 }
 
 impl DriveOptions {
     /// How drives of a robot are planned, if the options name no other radius.
     pub fn planning(&self, robot_radius_m: f64) -> Planning {
-        let never_seen = match self.unknown {
+        let never_seen = match self.plan_unknown {
             PlanUnknown::Free => NeverSeen::Free,
             PlanUnknown::Occupied => NeverSeen::Occupied,
         };
         Planning {
-            pairs: self.pairs as usize,
+            pairs: self.plan_pairs as usize,
             robot_radius_m: self.robot_radius.unwrap_or(robot_radius_m),
-            threshold: self.threshold,
+            threshold: self.plan_threshold,
             never_seen,
         }
     }

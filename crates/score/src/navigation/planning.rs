@@ -22,11 +22,12 @@ pub struct Planning {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum NeverSeen {
-    /// Free, as Nav2's planners take it (`allow_unknown`).
+    /// An obstacle: what a drive then runs into, the map had seen and lost, or never found.
     #[default]
-    Free,
-    /// An obstacle.
     Occupied,
+    /// Free, as Nav2's planners take it unless told otherwise (`allow_unknown`): most collisions are then with what no map
+    /// of these readings could know of.
+    Free,
 }
 
 impl Default for Planning {

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use super::options::ScoreOptions;
 use super::scored::Scored;
 use super::truth::Truth;
-use super::{figures, rows, text};
+use super::{driven, drives, figures, rows, text};
 use crate::failure::Failure;
 use crate::output::folder::{Purpose, Staging};
 use crate::output::ledger::RECORD;
@@ -87,7 +87,7 @@ fn sheets(scored: &Scored, metrics: &Table, differences: &Table) -> Vec<Part> {
         open: false,
         parts: vec![Sheet::of("", table)],
     };
-    parts.extend(scored.drives.as_ref().map(|drives| Part::Sheet(super::drives::sheet(scored, drives))));
+    parts.extend(scored.drives.as_ref().map(|drives| Part::Sheet(driven::sheet(scored, drives))));
     if scored.maps.len() > 1 {
         let caption = format!("Differences from {}", scored.maps[0].name);
         parts.push(fold(&caption, differences));
@@ -128,7 +128,7 @@ fn configuration(scored: &Scored, truth: &Truth, options: &ScoreOptions) -> Valu
         "unknown": options.unknown.name(),
         "prior": options.prior,
         "finer": score::Finer::from(options.finer),
-        "drives": super::drives::planning(truth, options),
+        "drives": drives::planning(truth, options),
         "align": options.align.name(),
         "align_bound_m": options.align_bound,
         "align_bound_deg": options.align_turn,

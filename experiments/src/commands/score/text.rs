@@ -4,11 +4,11 @@ use std::fmt::Write as _;
 
 use score::{Resampling, Tiles};
 
-use super::alignment;
 use super::options::{ScoreOptions, Unknown};
 use super::rows::{Difference, Row};
 use super::scored::{Scored, ScoredMap};
 use super::truth::Truth;
+use super::{alignment, driven};
 use crate::output::table::{aligned, wrapped};
 use crate::page::{Cell, Sheet};
 use crate::worlds::criteria::criterion;
@@ -76,12 +76,24 @@ pub(super) fn text(scored: &Scored, truth: &Truth, options: &ScoreOptions) -> St
         text += &aligned(&heads, &rows);
     }
     if let Some(drives) = &scored.drives {
-        text += &super::drives::text(scored, drives, WIDTH);
+        text += &driven(&driven::sheet(scored, drives));
     }
     if scored.maps.len() > 1 {
         text += &differences(&scored.differences, &scored.maps[0].name, &scored.shown[0], &Tiles::of(spec));
     }
     text
+}
+
+/// The table of drives.
+fn driven(sheet: &Sheet) -> String {
+    let heads: Vec<&str> = sheet.heads.iter().map(String::as_str).collect();
+    let cells = |row: &Vec<Cell>| {
+        let mut cells: Vec<String> = row.iter().map(|cell| cell.text.clone()).collect();
+        cells[0] = short(&cells[0]);
+        cells
+    };
+    let rows: Vec<Vec<String>> = sheet.rows.iter().map(cells).collect();
+    format!("\n{}\n{}{}\n", sheet.caption, aligned(&heads, &rows), wrapped(&sheet.note, WIDTH).join("\n"))
 }
 
 /// The table of a region, for a page.
@@ -154,7 +166,7 @@ fn row(name: &str, rows: &[Row], region: &str) -> Vec<String> {
 }
 
 /// The end of a long name.
-pub(super) fn short(name: &str) -> String {
+fn short(name: &str) -> String {
     let letters: Vec<char> = name.chars().collect();
     if letters.len() <= NAME {
         name.to_owned()
