@@ -36,6 +36,8 @@ pub struct Lattice {
     around: [(isize, u32); 8],
     /// More than any step costs.
     buckets: usize,
+    /// How many times as much steps to a cell cost, if they do not all cost the same.
+    weights: Option<Raster<u8>>,
 }
 
 impl Lattice {
@@ -45,7 +47,19 @@ impl Lattice {
         let StepCosts { straight, aslant } = costs;
         let width = set.spec().width as isize;
         let around = AROUND.map(|[dx, dy]| (dy * width + dx, if dx == 0 || dy == 0 { straight } else { aslant }));
-        Self { set, moves, around, buckets: straight.max(aslant) as usize + 1 }
+        Self { set, moves, around, buckets: straight.max(aslant) as usize + 1, weights: None }
+    }
+
+    /// The same with steps to a cell costing so many times as much, at least once: ways keep off what costs much.
+    pub fn weighted(mut self, weights: Raster<u8>) -> Self {
+        let most = weights.values().iter().copied().max().unwrap_or(1).max(1);
+        self.buckets = (self.buckets - 1) * usize::from(most) + 1;
+        self.weights = Some(weights);
+        self
+    }
+
+    fn weight(&self, cell: usize) -> u32 {
+        self.weights.as_ref().map_or(1, |weights| u32::from(weights[cell].max(1)))
     }
 
     /// Where its cells are.
@@ -65,6 +79,11 @@ impl Lattice {
 
     /// The neighbours that one can step to, with the cost of the step.
     pub fn steps(&self, cell: usize) -> impl Iterator<Item = (usize, u32)> + '_ {
+        self.unweighted(cell).map(|(to, cost)| (to, cost * self.weight(to)))
+    }
+
+    /// The same, all cells alike.
+    fn unweighted(&self, cell: usize) -> impl Iterator<Item = (usize, u32)> + '_ {
         let mut left = self.moves[cell];
         std::iter::from_fn(move || {
             let k = (left != 0).then(|| left.trailing_zeros() as usize)?;
@@ -120,11 +139,18 @@ impl Lattice {
             return None;
         }
         while costs[at] > 0 {
-            let before = |&(next, step): &(usize, u32)| costs[next].checked_add(step) == Some(costs[at]);
-            (at, _) = self.steps(at).find(before)?;
+            let weight = self.weight(at);
+            let before = |&(next, step): &(usize, u32)| costs[next].checked_add(step * weight) == Some(costs[at]);
+            (at, _) = self.unweighted(at).find(before)?;
             way.push(at);
         }
         Some(way)
+    }
+
+    /// What a way costs where all cells are alike: its length.
+    pub fn length(&self, way: &[usize]) -> u32 {
+        let step = |pair: &[usize]| self.unweighted(pair[0]).find(|(to, _)| *to == pair[1]).map_or(0, |(_, cost)| cost);
+        way.windows(2).map(step).sum()
     }
 }
 
@@ -148,7 +174,7 @@ mod tests {
 
     /// The cost to every cell by relaxing every step between every two cells until nothing changes (Bellman and Ford),
     /// with the rule of the steps written out anew.
-    fn slow_costs(set: &Raster<bool>, from: usize, costs: StepCosts) -> Vec<u32> {
+    fn slow_costs(set: &Raster<bool>, weights: &Raster<u8>, from: usize, costs: StepCosts) -> Vec<u32> {
         let spec = *set.spec();
         let step = |a: usize, b: usize| {
             let ((ca, ra), (cb, rb)) = (spec.column_row(a), spec.column_row(b));
@@ -165,7 +191,7 @@ mod tests {
             let before = found.clone();
             for (a, b) in (0..spec.cells()).flat_map(|a| (0..spec.cells()).map(move |b| (a, b))) {
                 if let Some(step) = step(a, b).filter(|_| found[a] != UNREACHED) {
-                    found[b] = found[b].min(found[a] + step);
+                    found[b] = found[b].min(found[a] + step * u32::from(weights[b]));
                 }
             }
             if found == before {
@@ -186,11 +212,15 @@ mod tests {
         #[test]
         fn costs_are_those_of_a_slow_search_and_ways_add_up_to_them(
             set in sets(), ends in prop::collection::vec(any::<prop::sample::Index>(), 1..5), fine in any::<bool>(),
+            weights in prop::collection::vec(1u8..9, 64), alike in any::<bool>(),
         ) {
+            let weights = Raster::new(*set.spec(), weights.into_iter().take(set.spec().cells()).map(|w| if alike { 1 } else { w }).collect());
             let costs = if fine { StepCosts::FINE } else { StepCosts::COARSE };
             let ends: Vec<usize> = ends.iter().map(|end| end.index(set.spec().cells())).collect();
             let (from, goals) = (ends[0], &ends[1..]);
-            let (lattice, slow) = (Lattice::new(set.clone(), costs), slow_costs(&set, from, costs));
+            let lattice = Lattice::new(set.clone(), costs);
+            let lattice = if alike { lattice } else { lattice.weighted(weights.clone()) };
+            let slow = slow_costs(&set, &weights, from, costs);
             prop_assert_eq!(&lattice.costs(from, &[]), &slow);
             let found = lattice.costs(from, goals);
             for &goal in goals {
@@ -201,9 +231,10 @@ mod tests {
                 };
                 prop_assert_eq!((way[0], way[way.len() - 1]), (goal, from));
                 let steps: Option<Vec<u32>> = way.windows(2).map(|pair| {
-                    lattice.steps(pair[0]).find(|(to, _)| *to == pair[1]).map(|(_, step)| step)
+                    lattice.steps(pair[1]).find(|(to, _)| *to == pair[0]).map(|(_, step)| step)
                 }).collect();
                 prop_assert_eq!(steps.map(|steps| steps.iter().sum::<u32>()), Some(slow[goal]));
+                prop_assert!(lattice.length(&way) <= slow[goal] && (!alike || lattice.length(&way) == slow[goal]));
             }
         }
     }

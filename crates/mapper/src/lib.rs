@@ -37,6 +37,7 @@ pub use belief::probability::{EPSILON, bayes};
 pub use fast::visibility::FastVisibility;
 pub use mapper::{Mapper, Outside, Work};
 pub use model::{Model, Sensors};
+pub use pairs::footprint;
 pub use pairs::grid::{Broken, PairwiseGrid};
 pub use pairs::joint::Joint;
 pub use pairs::moments::Moments;

@@ -1,5 +1,6 @@
 //! The pairwise occupancy grid, and how the posteriors of a scan's rays become one map: Eqs. (11)-(20).
 
+pub mod footprint;
 pub(crate) mod grid;
 pub(crate) mod joint;
 pub(crate) mod lateral_edges;

@@ -22,7 +22,7 @@ fn case() -> impl Strategy<Value = Case> {
     (4usize..11, 4usize..11, planning).prop_flat_map(move |(width, height, (radius, threshold, free, pairs))| {
         let spec = GridSpec { cell_m: CELL_M, origin_m: [3.0, -1.0], width, height };
         let never_seen = if free { NeverSeen::Free } else { NeverSeen::Occupied };
-        let planning = Planning { pairs, robot_radius_m: radius, threshold, never_seen };
+        let planning = Planning { pairs, robot_radius_m: radius, threshold, most_costly: 7, never_seen };
         prop::collection::vec(cell.clone(), width * height).prop_map(move |cells| Case {
             truth: Raster::new(spec, cells.iter().map(|c| c.0).collect()),
             map: Raster::new(spec, cells.iter().map(|c| if c.1 > 18 { 0.95 } else { f64::from(c.1) / 40.0 }).collect()),
@@ -164,6 +164,13 @@ proptest! {
             let clear = |path: &[[f64; 2]]| case.room_along(&solid, path) >= navigation.clearance_m();
             let found = navigation.metrics(&map, &map.map(|_| true), clear).expect("valid");
             prop_assert_eq!(found.map(|m| m.name), ["reached", "colliding", "detour"]);
+            // A footprint that is an obstacle wherever the disc touches one, and none elsewhere: the same places, and ways as long.
+            let obstacle = map.map(|p| *p > case.planning.threshold);
+            let fits = grid::clear(&obstacle, case.planning.robot_radius_m);
+            let footprint = fits.map(|fits| if *fits { 0.0 } else { 1.0 });
+            let by_footprint = navigation.metrics_by_footprint(&footprint, &map.map(|_| true), clear).expect("valid");
+            prop_assert_eq!(by_footprint.map(|m| m.support), found.map(|m| m.support));
+            prop_assert_eq!(by_footprint.map(|m| m.value), found.map(|m| m.value));
             Ok(found.map(|m| (m.value, m.support)))
         };
         let pairs = navigation.pairs();

@@ -35,7 +35,7 @@ impl Criterion {
 /// The margins were set before any comparison was run: half a percent of probability for log loss,
 /// half a cell in a hundred for shares, 20 cells of 5 cm for areas, two surface cells in a hundred for recall, two drives in
 /// a hundred.
-pub const CRITERIA: [Criterion; 18] = [
+pub const CRITERIA: [Criterion; 21] = [
     judged("log_loss", "log loss", "nats/cell", 3, Lower, 0.005),
     judged("brier", "Brier", "1", 4, Lower, 0.002),
     judged("ece", "ECE", "1", 3, Lower, 0.005),
@@ -51,13 +51,16 @@ pub const CRITERIA: [Criterion; 18] = [
     judged("recall_50", "recall > 0.5", "1", 3, Higher, 0.02),
     judged("recall_65", "recall > 0.65", "1", 3, Higher, 0.02),
     judged("retention", "retention", "1", 3, Higher, 0.005),
-    of_drives("reached", Higher),
-    of_drives("colliding", Lower),
-    of_drives("detour", Lower),
+    of_drives("reached", "reached", Higher),
+    of_drives("colliding", "colliding", Lower),
+    of_drives("detour", "detour", Lower),
+    of_drives("footprint_reached", "reached by footprint", Higher),
+    of_drives("footprint_colliding", "colliding by footprint", Lower),
+    of_drives("footprint_detour", "detour by footprint", Lower),
 ];
 
-const fn of_drives(metric: &'static str, better: Better) -> Criterion {
-    Criterion { region: Some(drives::REGION), ..judged(metric, metric, "1", 3, better, 0.02) }
+const fn of_drives(metric: &'static str, title: &'static str, better: Better) -> Criterion {
+    Criterion { region: Some(drives::REGION), ..judged(metric, title, "1", 3, better, 0.02) }
 }
 
 const fn judged(

@@ -2,6 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use grid::Raster;
+use mapper::{Belief, PairwiseGrid, footprint};
 use scene::World;
 use score::navigation::{Navigation, NeverSeen, Planning};
 use score::{Metric, Region, ScoreError};
@@ -74,11 +75,14 @@ impl DriveOptions {
             robot_radius_m: self.robot_radius.unwrap_or(robot_radius_m),
             threshold: self.plan_threshold,
             never_seen,
+            ..Planning::default()
         }
     }
 }
 
-/// The metrics of drives on a map, of which it knows the cells of `known`; none where no drives are asked for.
+/// The metrics of drives on a map, of which it knows the cells of `known`; none where no drives are asked for. Plans are made twice: on the
+/// cells of the map, and by the probability that an obstacle stands under the robot ([`footprint`]), which takes the joint probabilities
+/// of a map that holds them.
 ///
 /// # Errors
 /// As [`Navigation::metrics`].
@@ -86,10 +90,16 @@ pub fn metrics(
     navigation: &Navigation,
     world: &World,
     map: &Raster<f64>,
+    pairs: Option<&PairwiseGrid>,
     known: &Raster<bool>,
-) -> Result<[Metric; 3], ScoreError> {
+) -> Result<Vec<Metric>, ScoreError> {
     let radius_m = navigation.clearance_m();
-    navigation.metrics(map, known, |path_m| world.collision(path_m, radius_m).is_none())
+    let is_clear = |path_m: &[[f64; 2]]| world.collision(path_m, radius_m).is_none();
+    let by_cells = navigation.metrics(map, known, is_clear)?;
+    let belief = pairs.map_or(Belief::Cells(map), Belief::Chain);
+    let footprint = footprint::occupied(belief, navigation.robot_radius_m());
+    let by_footprint = navigation.metrics_by_footprint(&footprint, known, is_clear)?;
+    Ok(by_cells.into_iter().chain(by_footprint).collect())
 }
 
 #[cfg(test)]
@@ -111,14 +121,18 @@ mod tests {
                 assert_eq!(world.collision(&[*at], planning.robot_radius_m - 1e-6), None, "{name}: {at:?} is free");
             }
             let of = |map: Raster<f64>| {
-                let found = metrics(&navigation, &world, &map, &map.map(|_| true)).expect("a map");
-                found.map(|metric| metric.value)
+                let found = metrics(&navigation, &world, &map, None, &map.map(|_| true)).expect("a map");
+                <[Option<f64>; 6]>::try_from(found.iter().map(|metric| metric.value).collect::<Vec<_>>()).expect("six")
             };
             let certain = truth.map(|cell| if *cell == Some(true) { 1.0 } else { 0.0 });
-            assert_eq!(of(certain), [Some(1.0), Some(0.0), Some(1.0)], "{name}");
-            assert_eq!(of(truth.map(|_| 1.0)), [Some(0.0), Some(0.0), None], "{name}");
-            let [reached, colliding, _] = of(truth.map(|_| 0.0)).map(|value| value.unwrap_or(0.0));
+            assert_eq!(of(certain), [Some(1.0), Some(0.0), Some(1.0), Some(1.0), Some(0.0), Some(1.0)], "{name}");
+            assert_eq!(of(truth.map(|_| 1.0)), [Some(0.0), Some(0.0), None, Some(0.0), Some(0.0), None], "{name}");
+            let [reached, colliding, _, again, collide, _] = of(truth.map(|_| 0.0)).map(|value| value.unwrap_or(0.0));
             assert!(colliding > 0.3 && (reached + colliding - 1.0).abs() < 1e-12, "{name}: {reached} {colliding}");
+            assert!(
+                (again - reached).abs() < 1e-12 && (collide - colliding).abs() < 1e-12,
+                "{name}: {again} {collide}"
+            );
         }
     }
 }

@@ -244,8 +244,8 @@ impl Ground {
     }
 
     /// Every metric over every region: those that follow from the rays, and those the scene names; and of drives.
-    fn score(&self, map: &Raster<f64>, now: &Now, retention: &Retention) -> Result<Vec<RegionScore>, Failure> {
-        let seen = now.seen;
+    fn score(&self, mapper: &dyn Mapper, now: &Now, retention: &Retention) -> Result<Vec<RegionScore>, Failure> {
+        let (map, seen) = (mapper.occupancy(), now.seen);
         let driven = self.planning.pairs > 0 && (now.last || self.driven == Driven::EveryStage);
         let scorer = Scorer::new(&self.truth, seen.surface())?;
         let by_rays = Region::ALL.iter().map(|region| (region.name().to_owned(), seen.mask(*region)));
@@ -254,7 +254,7 @@ impl Ground {
         for (region, mask) in by_rays.chain(by_name) {
             let metrics = scorer.scores(map, &mask)?.metrics();
             let driven = driven && region == drives::REGION.name();
-            let of_drives = if driven { self.drives(map, seen)?.to_vec() } else { Vec::new() };
+            let of_drives = if driven { self.drives(mapper, seen)? } else { Vec::new() };
             for metric in metrics.into_iter().chain([retention.metric(Some(&mask))?]).chain(of_drives) {
                 scores.push(RegionScore { region: region.clone(), metric });
             }
@@ -263,10 +263,10 @@ impl Ground {
     }
 
     /// The metrics of drives planned on a map that knows the cells that some ray reached.
-    fn drives(&self, map: &Raster<f64>, seen: &Sightings) -> Result<[Metric; 3], Failure> {
+    fn drives(&self, mapper: &dyn Mapper, seen: &Sightings) -> Result<Vec<Metric>, Failure> {
         let navigation = self.navigation.get_or_init(|| Navigation::new(&self.truth, self.planning));
         let known = seen.looks().map(|looks| *looks > 0);
-        Ok(drives::metrics(navigation, &self.world, map, &known)?)
+        Ok(drives::metrics(navigation, &self.world, mapper.occupancy(), mapper.pairwise().as_ref(), &known)?)
     }
 }
 
@@ -332,7 +332,7 @@ impl Walk {
             self.retention.observe(now.seen.visible(), map)?;
         }
         for _ in 0..now.stages {
-            let mut scores = ground.score(map, now, &self.retention)?;
+            let mut scores = ground.score(&*self.mapper, now, &self.retention)?;
             let batch_program = self.run.program.is_some() && self.kind == Kind::Batch;
             for metric in scores.iter_mut().map(|score| &mut score.metric) {
                 if fault.is_some() || batch_program && OF_EVERY_SCAN.contains(&metric.name) {

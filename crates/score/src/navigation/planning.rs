@@ -14,6 +14,8 @@ pub struct Planning {
     pub robot_radius_m: f64,
     /// A cell with a greater probability is an obstacle.
     pub threshold: f64,
+    /// How many times as much as a free place one costs, at most, where plans are by footprint; at least 1.
+    pub most_costly: u8,
     /// What cells are of which the map knows nothing, whatever their probability.
     pub never_seen: NeverSeen,
 }
@@ -32,6 +34,12 @@ pub enum NeverSeen {
 
 impl Default for Planning {
     fn default() -> Self {
-        Self { pairs: 200, robot_radius_m: 0.2, threshold: HELD_OCCUPIED, never_seen: NeverSeen::default() }
+        Self {
+            pairs: 200,
+            robot_radius_m: 0.2,
+            threshold: HELD_OCCUPIED,
+            most_costly: 10,
+            never_seen: NeverSeen::default(),
+        }
     }
 }

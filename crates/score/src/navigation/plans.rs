@@ -49,6 +49,11 @@ impl Navigation {
         self.errands.iter().flat_map(|errand| errand.goals.iter().map(move |goal| pair(errand, goal))).collect()
     }
 
+    /// Radius of the robot's disc, m.
+    pub fn robot_radius_m(&self) -> f64 {
+        self.planning.robot_radius_m
+    }
+
     /// What a drive keeps clear of obstacles, m: the robot's radius but for the rounding of the search.
     pub fn clearance_m(&self) -> f64 {
         self.planning.robot_radius_m - 2.0 * ROUNDING * self.spec.cell_m
@@ -72,6 +77,31 @@ impl Navigation {
         Ok(self.errands.iter().flat_map(|errand| planned(&ways, errand)).collect())
     }
 
+    /// Plans every pair by the probability that an obstacle stands under the robot: `footprint` holds it for the robot's disc about every
+    /// cell. A place is an obstacle above the threshold, and else costs more the more probable one is, up to
+    /// [`Planning::most_costly`] times as much as a free place, as in a costmap.
+    ///
+    /// # Errors
+    /// As [`Self::plans`].
+    pub fn plans_by_footprint(
+        &self,
+        footprint: &Raster<f64>,
+        known: &Raster<bool>,
+    ) -> Result<Vec<Option<Plan>>, ScoreError> {
+        same_cells("footprints", footprint.spec(), &self.spec)?;
+        same_cells("mask of known cells", known.spec(), &self.spec)?;
+        probabilities(footprint)?;
+        let obstacle = |cell: usize| !known[cell] && self.planning.never_seen == NeverSeen::Occupied;
+        let solid = (0..self.spec.cells()).map(|cell| self.unjudged[cell] || obstacle(cell)).collect();
+        let free = clear(&Raster::new(self.spec, solid), self.planning.robot_radius_m);
+        let fits =
+            (0..self.spec.cells()).map(|cell| free[cell] && footprint[cell] <= self.planning.threshold).collect();
+        let more = f64::from(self.planning.most_costly.max(1) - 1);
+        let weights = footprint.map(|p| 1 + (more * (p / self.planning.threshold).min(1.0)).round() as u8);
+        let ways = Lattice::new(Raster::new(self.spec, fits), StepCosts::FINE).weighted(weights);
+        Ok(self.errands.iter().flat_map(|errand| planned(&ways, errand)).collect())
+    }
+
     /// Plans every pair on a map and drives the plans: `is_clear` says whether a disc of [`Self::clearance_m`] can
     /// really be driven along a path (m).
     ///
@@ -87,8 +117,31 @@ impl Navigation {
         known: &Raster<bool>,
         is_clear: impl Fn(&[[f64; 2]]) -> bool,
     ) -> Result<[Metric; 3], ScoreError> {
+        Ok(self.driven(["reached", "colliding", "detour"], self.plans(map, known)?, is_clear))
+    }
+
+    /// The same of plans by footprint ([`Self::plans_by_footprint`]): `footprint_reached`, `footprint_colliding`, `footprint_detour`.
+    ///
+    /// # Errors
+    /// As [`Self::plans`].
+    pub fn metrics_by_footprint(
+        &self,
+        footprint: &Raster<f64>,
+        known: &Raster<bool>,
+        is_clear: impl Fn(&[[f64; 2]]) -> bool,
+    ) -> Result<[Metric; 3], ScoreError> {
+        let names = ["footprint_reached", "footprint_colliding", "footprint_detour"];
+        Ok(self.driven(names, self.plans_by_footprint(footprint, known)?, is_clear))
+    }
+
+    fn driven(
+        &self,
+        [reached_name, colliding_name, detour_name]: [&'static str; 3],
+        plans: Vec<Option<Plan>>,
+        is_clear: impl Fn(&[[f64; 2]]) -> bool,
+    ) -> [Metric; 3] {
         let (mut reached, mut colliding, mut detours) = (0, 0, 0.0);
-        for plan in self.plans(map, known)?.into_iter().flatten() {
+        for plan in plans.into_iter().flatten() {
             if is_clear(&plan.path_m) {
                 reached += 1;
                 detours += plan.detour;
@@ -96,11 +149,11 @@ impl Navigation {
                 colliding += 1;
             }
         }
-        Ok([
-            Metric::share("reached", reached, self.pairs()),
-            Metric::share("colliding", colliding, self.pairs()),
-            Metric::mean("detour", "1", detours, reached),
-        ])
+        [
+            Metric::share(reached_name, reached, self.pairs()),
+            Metric::share(colliding_name, colliding, self.pairs()),
+            Metric::mean(detour_name, "1", detours, reached),
+        ]
     }
 }
 
@@ -113,7 +166,7 @@ fn planned(ways: &Lattice, errand: &Errand) -> Vec<Option<Plan>> {
     let costs = ways.costs(errand.start, &goals);
     let plan = |goal: &Goal| {
         let way = ways.way_back(&costs, goal.cell).filter(|_| ways.holds(goal.cell))?;
-        let detour = f64::from(costs[goal.cell]) / f64::from(goal.shortest);
+        let detour = f64::from(ways.length(&way)) / f64::from(goal.shortest);
         Some(Plan { path_m: legs(ways.spec(), &way), detour })
     };
     errand.goals.iter().map(plan).collect()

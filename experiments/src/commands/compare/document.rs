@@ -33,7 +33,11 @@ pub fn sections(plan: &Plan, rows: &Rows, pictures: &[Picture]) -> Vec<Section> 
     trust.extend(["reliability.png", "profiles.png"].into_iter().filter_map(picture));
     let mut sections = vec![
         section("Which mapper is better", BETTER, better),
-        section("Which map may I drive on", DRIVES, vec![Part::Sheet(sheets::drives(rows, &mappers, Width::Page))]),
+        section(
+            "Which map may I drive on",
+            DRIVES,
+            sheets::drives(rows, &mappers, Width::Page).map(Part::Sheet).into(),
+        ),
         section("Where, and under which conditions", PLACES, places),
         section("How far a map can be taken at its word", TRUST, trust),
         section("What each idea is worth", ABLATIONS, vec![Part::Sheet(sheets::ablations(rows, &mappers))]),
@@ -57,7 +61,8 @@ const DRIVES: &str = "Drives between pairs of places that follow from the truth 
     planned on the map of the whole drive, on which a cell above the threshold (0.5) is an obstacle, as is what no ray reached (--plan-unknown), and driven as the \
     robot's disc in the exact world. Reached: the share planned and driven without a collision. Colliding: the share planned and driven into something. \
     The rest was not planned. Detour: the mean length of those reached over a shortest way in the truth; maps reach different pairs. Recall: the share of surface \
-    cells above 0.5, and above 0.65, what a saved ROS map keeps.";
+    cells above 0.5, and above 0.65, what a saved ROS map keeps. By footprint: planned by the probability that an obstacle stands under the robot's disc, from \
+    the joint probabilities of neighbours where a map holds them; above the threshold is an obstacle, below it a way costs the more the more probable one is.";
 const PLACES: &str =
     "Regions follow from noise-free rays, never from a map. differences.csv has every metric in every region.";
 const TRUST: &str = "Cells of all worlds together.";

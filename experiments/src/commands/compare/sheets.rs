@@ -19,6 +19,9 @@ const SHOWN: [&str; 7] = ["log_loss", "brier", "ece", "iou", "retention", "phant
 /// The metrics of the table of drives, beside which recall says what a threshold finds.
 const DRIVEN: [&str; 5] = ["reached", "colliding", "detour", "recall_50", "recall_65"];
 
+/// The same of plans by footprint.
+const BY_FOOTPRINT: [&str; 3] = ["footprint_reached", "footprint_colliding", "footprint_detour"];
+
 /// Variants that take one idea away, or add one, and which.
 const ABLATIONS: [(&str, &str); 9] = [
     ("no-occlusion", "occlusion off: each cell's own likelihoods on the chain"),
@@ -117,9 +120,29 @@ pub fn parts(rows: &Rows, mappers: &[&str], parts: &[&str], metric: &str, width:
     }
 }
 
-/// Which map may I drive on: a mean per mapper and metric of drives, and how sure it differs from the reference.
-pub fn drives(rows: &Rows, mappers: &[&str], width: Width) -> Sheet {
-    let metrics: Vec<&Criterion> = DRIVEN.iter().filter_map(|metric| criterion(metric)).collect();
+/// Which map may I drive on: a mean per mapper and metric of drives, and how sure it differs from the reference. Planned on the cells of the
+/// maps, and by footprint.
+pub fn drives(rows: &Rows, mappers: &[&str], width: Width) -> [Sheet; 2] {
+    [
+        driven(
+            rows,
+            mappers,
+            width,
+            "Drives planned on the maps, all worlds; recall of surfaces that rays hit",
+            &DRIVEN,
+        ),
+        driven(
+            rows,
+            mappers,
+            width,
+            "The same, planned by the probability of an obstacle under the robot",
+            &BY_FOOTPRINT,
+        ),
+    ]
+}
+
+fn driven(rows: &Rows, mappers: &[&str], width: Width, caption: &str, metrics: &[&str]) -> Sheet {
+    let metrics: Vec<&Criterion> = metrics.iter().filter_map(|metric| criterion(metric)).collect();
     let cell = |mapper: &str, c: &Criterion| {
         let region = c.region.map_or(OBSERVABLE, Region::name);
         let mean =
@@ -139,7 +162,7 @@ pub fn drives(rows: &Rows, mappers: &[&str], width: Width) -> Sheet {
         Width::Page => "in brackets the difference from visibility with its interval",
     };
     Sheet {
-        caption: "Drives planned on the maps, all worlds; recall of surfaces that rays hit".to_owned(),
+        caption: caption.to_owned(),
         note: note.to_owned(),
         heads: ["mapper"].into_iter().chain(metrics.iter().map(|c| c.title)).map(str::to_owned).collect(),
         rows: mappers.iter().map(row).collect(),

@@ -39,6 +39,9 @@ const DRIVES: [Column; 5] = [
     ("recall > 0.65", "recall_65", 3),
 ];
 
+const FOOTPRINTS: [Column; 3] =
+    [("reached", "footprint_reached", 3), ("colliding", "footprint_colliding", 3), ("detour", "footprint_detour", 3)];
+
 /// Tables of the last stage over what was observable and in every named region, then the claims.
 pub(super) fn text(ground: &Ground, trials: &[Trial], stages: &[Stage], claims: &[Claim]) -> String {
     let mut text = String::new();
@@ -79,6 +82,7 @@ pub(super) fn text(ground: &Ground, trials: &[Trial], stages: &[Stage], claims: 
     section("all that could be seen (areas in m²)", "observable", &OBSERVABLE);
     if ground.planning.pairs > 0 {
         section(&driven(&ground.planning), drives::REGION.name(), &DRIVES);
+        section("the same, by the probability of an obstacle under it", drives::REGION.name(), &FOOTPRINTS);
     }
     for region in &ground.scene.regions {
         section(&format!("free cells of region {}", region.name), &region.name, &REGION);

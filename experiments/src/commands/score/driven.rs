@@ -12,6 +12,9 @@ use crate::worlds::drives::REGION;
 /// Metrics of drives ...
 const OF_DRIVES: [&str; 3] = ["reached", "colliding", "detour"];
 
+/// ... those of plans by footprint, the map's cells being independent ...
+const BY_FOOTPRINT: [&str; 3] = ["footprint_reached", "footprint_colliding", "footprint_detour"];
+
 /// ... and what a threshold finds of surfaces, which is shown beside them.
 const FOUND: [&str; 2] = ["recall_50", "recall_65"];
 
@@ -32,7 +35,7 @@ pub(super) fn differences([own, first]: [&ScoredMap; 2]) -> Vec<Difference> {
             cells: ours.support.min(theirs.support),
         })
     };
-    OF_DRIVES.iter().filter_map(difference).collect()
+    OF_DRIVES.iter().chain(&BY_FOOTPRINT).filter_map(difference).collect()
 }
 
 /// A row per map, and what was driven in words.

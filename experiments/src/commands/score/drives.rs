@@ -30,10 +30,10 @@ impl Drives {
 
     /// Plans them on a map and drives them.
     pub(super) fn rows(&self, name: &str, map: &Scorable) -> Result<Vec<Row>, Failure> {
-        let metrics = drives::metrics(&self.navigation, &self.world, &map.occupancy, &map.known)?;
+        let metrics = drives::metrics(&self.navigation, &self.world, &map.occupancy, None, &map.known)?;
         let region = drives::REGION.name();
         let row = |metric| Row { map: name.to_owned(), region: region.to_owned(), metric };
-        Ok(metrics.map(row).to_vec())
+        Ok(metrics.into_iter().map(row).collect())
     }
 
     /// What was driven, in words.

@@ -160,7 +160,7 @@ retention, which needs a map after every scan; `known` is the share of the regio
 
 Drives (reached, colliding, detour; region `all`) go between the same pairs of places on every map: places and pairs follow from the truth, where a robot's disc stands clear and a way joins them, at least 1 m apart. \
 They are planned in the cells of the truth, 8 neighbours, on what the map takes for free, and driven as a disc among the scene's obstacles, or among the occupied cells of a map. reached is the share planned and driven without a collision, \
-colliding the share planned and driven into something; the rest was not planned. detour is the mean length of those reached over a shortest way in the truth.
+colliding the share planned and driven into something; the rest was not planned. footprint_reached, footprint_colliding and footprint_detour are the same of plans by the probability that an obstacle stands under the disc. detour is the mean length of those reached over a shortest way in the truth.
 
 Differences are MAP minus the first MAP over the cells that both are scored on. Their 95 % intervals are those of a bootstrap of square tiles of this one \
 world, since neighbouring cells err together; they say nothing of other worlds, and are not adjusted for the number of metrics. A verdict needs at least six tiles.";
