@@ -79,6 +79,15 @@ impl Lattice {
     ///
     /// Dijkstra's search with Dial's queue (1969): as steps cost little, what is under way lies in few buckets. O(cells).
     pub fn costs(&self, from: usize, until: &[usize]) -> Vec<u32> {
+        self.search(from, until, UNREACHED)
+    }
+
+    /// The same for cells that cost no more than `most`; what lies beyond is [`UNREACHED`].
+    pub fn costs_within(&self, from: usize, most: u32) -> Vec<u32> {
+        self.search(from, &[], most)
+    }
+
+    fn search(&self, from: usize, until: &[usize], most: u32) -> Vec<u32> {
         let mut costs = vec![UNREACHED; self.moves.len()];
         let mut buckets: Vec<Vec<u32>> = vec![Vec::new(); self.buckets];
         costs[from] = 0;
@@ -97,7 +106,7 @@ impl Lattice {
                     }
                 }
                 for (to, step) in self.steps(cell) {
-                    if cost + step < costs[to] {
+                    if cost + step < costs[to] && cost + step <= most {
                         costs[to] = cost + step;
                         let there = bucket + step as usize;
                         buckets[if there < self.buckets { there } else { there - self.buckets }].push(to as u32);
@@ -185,13 +194,15 @@ mod tests {
     proptest! {
         #[test]
         fn costs_are_those_of_a_slow_search_and_ways_add_up_to_them(
-            set in sets(), ends in prop::collection::vec(any::<prop::sample::Index>(), 1..5), fine in any::<bool>(),
+            set in sets(), ends in prop::collection::vec(any::<prop::sample::Index>(), 1..5), fine in any::<bool>(), most in 0u32..200,
         ) {
             let costs = if fine { StepCosts::FINE } else { StepCosts::COARSE };
             let ends: Vec<usize> = ends.iter().map(|end| end.index(set.spec().cells())).collect();
             let (from, goals) = (ends[0], &ends[1..]);
             let (lattice, slow) = (Lattice::new(set.clone(), costs), slow_costs(&set, from, costs));
             prop_assert_eq!(&lattice.costs(from, &[]), &slow);
+            let within: Vec<u32> = slow.iter().map(|&cost| if cost <= most { cost } else { UNREACHED }).collect();
+            prop_assert_eq!(lattice.costs_within(from, most), within);
             let found = lattice.costs(from, goals);
             for &goal in goals {
                 prop_assert_eq!(found[goal], slow[goal], "as far as it is asked for");

@@ -1,8 +1,8 @@
 //! Drives, planned on a map and judged.
 
-use grid::{GridSpec, Lattice, ROUNDING, Raster, StepCosts, clear};
+use grid::{GridSpec, Lattice, ROUNDING, Raster, clear};
 
-use super::errands::{Errand, Goal, draw};
+use super::errands::{COSTS, Errand, Goal, draw};
 use super::planning::{NeverSeen, Planning};
 use crate::error::{probabilities, same_cells};
 use crate::{Metric, ScoreError};
@@ -34,7 +34,7 @@ impl Navigation {
         } else {
             truth.map(|_| false)
         };
-        let errands = draw(&Lattice::new(free, StepCosts::FINE), planning.pairs);
+        let errands = draw(&Lattice::new(free, COSTS), planning.pairs);
         Self { planning, spec: *truth.spec(), unjudged: truth.map(Option::is_none), errands }
     }
 
@@ -68,7 +68,7 @@ impl Navigation {
         };
         let solid = (0..self.spec.cells()).map(|cell| self.unjudged[cell] || obstacle(cell)).collect();
         let free = clear(&Raster::new(self.spec, solid), self.planning.robot_radius_m);
-        let ways = Lattice::new(free, StepCosts::FINE);
+        let ways = Lattice::new(free, COSTS);
         Ok(self.errands.iter().flat_map(|errand| planned(&ways, errand)).collect())
     }
 
