@@ -322,6 +322,11 @@ fn mistakes_in_the_file_have_line_column_and_remedy() {
         &["gates.toml:4:10: ", "the nearest is \"visibility\""],
     );
     refused("region = \"visible\"", "region = \"X\"", &["gates.toml:14:10: ", "must be one of visible, surface"]);
+    refused(
+        "metric = \"retention\"",
+        "metric = \"colliding\"",
+        &["gates.toml:14:10: ", "left out or \"all\" with colliding, which is of the whole world"],
+    );
     refused("name = \"bounded\"", "name = \"not-worse\"", &["gates.toml:11:8: ", "no gate above has"]);
     refused("name = \"bounded\"", "nam = \"bounded\"", &["gates.toml:11:1: ", "did you mean `name`?"]);
     refused("at_least = 0.5", "", &["gates.toml:10:1: gate 2: `at_most` is missing; add one of at_most, at_least"]);
@@ -358,6 +363,20 @@ fn mistakes_in_the_file_have_line_column_and_remedy() {
     let (_, err) = place.expect(2, &["--update", "--only", "bounded"]);
     assert!(err.contains("none of the gates asked for has a baseline"), "{err}");
     place.expect(2, &["--update", "--stream", "1"]);
+}
+
+#[test]
+fn drives_are_gated_in_the_whole_world() {
+    let place = Place::new();
+    place.edit("metric = \"retention\"\nregion = \"visible\"", "metric = \"reached\"");
+    place.edit("at_least = 0.5", "at_least = 1.1");
+    let (out, _) = place.expect(3, &["--only", "bounded", "--format", "json"]);
+    let rows: serde_json::Value = serde_json::from_str(&out).expect("JSON");
+    let row = &rows["rows"][0];
+    assert_eq!((&row["region"], &row["defined"], &row["verdict"]), (&"all".into(), &2.into(), &"FAIL".into()), "{row}");
+    assert!(row["value"].as_f64().is_some_and(|reached| reached > 0.0 && reached <= 1.0), "{row}");
+    place.edit("at_least = 1.1", "at_least = 0.0");
+    place.expect(0, &["--only", "bounded"]);
 }
 
 #[test]

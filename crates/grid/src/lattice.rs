@@ -98,6 +98,15 @@ impl Lattice {
     ///
     /// Dijkstra's search with Dial's queue (1969): as steps cost little, what is under way lies in few buckets. O(cells).
     pub fn costs(&self, from: usize, until: &[usize]) -> Vec<u32> {
+        self.search(from, until, UNREACHED)
+    }
+
+    /// The same for cells that cost no more than `most`; what lies beyond is [`UNREACHED`].
+    pub fn costs_within(&self, from: usize, most: u32) -> Vec<u32> {
+        self.search(from, &[], most)
+    }
+
+    fn search(&self, from: usize, until: &[usize], most: u32) -> Vec<u32> {
         let mut costs = vec![UNREACHED; self.moves.len()];
         let mut buckets: Vec<Vec<u32>> = vec![Vec::new(); self.buckets];
         costs[from] = 0;
@@ -116,7 +125,7 @@ impl Lattice {
                     }
                 }
                 for (to, step) in self.steps(cell) {
-                    if cost + step < costs[to] {
+                    if cost + step < costs[to] && cost + step <= most {
                         costs[to] = cost + step;
                         let there = bucket + step as usize;
                         buckets[if there < self.buckets { there } else { there - self.buckets }].push(to as u32);
@@ -209,35 +218,37 @@ mod tests {
     }
 
     proptest! {
-        #[test]
-        fn costs_are_those_of_a_slow_search_and_ways_add_up_to_them(
-            set in sets(), ends in prop::collection::vec(any::<prop::sample::Index>(), 1..5), fine in any::<bool>(),
-            weights in prop::collection::vec(1u8..9, 64), alike in any::<bool>(),
-        ) {
-            let weights = Raster::new(*set.spec(), weights.into_iter().take(set.spec().cells()).map(|w| if alike { 1 } else { w }).collect());
-            let costs = if fine { StepCosts::FINE } else { StepCosts::COARSE };
-            let ends: Vec<usize> = ends.iter().map(|end| end.index(set.spec().cells())).collect();
-            let (from, goals) = (ends[0], &ends[1..]);
-            let lattice = Lattice::new(set.clone(), costs);
-            let lattice = if alike { lattice } else { lattice.weighted(weights.clone()) };
-            let slow = slow_costs(&set, &weights, from, costs);
-            prop_assert_eq!(&lattice.costs(from, &[]), &slow);
-            let found = lattice.costs(from, goals);
-            for &goal in goals {
-                prop_assert_eq!(found[goal], slow[goal], "as far as it is asked for");
-                let Some(way) = lattice.way_back(&found, goal) else {
-                    prop_assert_eq!(slow[goal], UNREACHED);
-                    continue;
-                };
-                prop_assert_eq!((way[0], way[way.len() - 1]), (goal, from));
-                let steps: Option<Vec<u32>> = way.windows(2).map(|pair| {
-                    lattice.steps(pair[1]).find(|(to, _)| *to == pair[0]).map(|(_, step)| step)
-                }).collect();
-                prop_assert_eq!(steps.map(|steps| steps.iter().sum::<u32>()), Some(slow[goal]));
-                prop_assert!(lattice.length(&way) <= slow[goal] && (!alike || lattice.length(&way) == slow[goal]));
+            #[test]
+            fn costs_are_those_of_a_slow_search_and_ways_add_up_to_them(
+    set in sets(), ends in prop::collection::vec(any::<prop::sample::Index>(), 1..5), fine in any::<bool>(), most in 0u32..200,
+                weights in prop::collection::vec(1u8..9, 64), alike in any::<bool>(),
+            ) {
+                let weights = Raster::new(*set.spec(), weights.into_iter().take(set.spec().cells()).map(|w| if alike { 1 } else { w }).collect());
+                let costs = if fine { StepCosts::FINE } else { StepCosts::COARSE };
+                let ends: Vec<usize> = ends.iter().map(|end| end.index(set.spec().cells())).collect();
+                let (from, goals) = (ends[0], &ends[1..]);
+                let lattice = Lattice::new(set.clone(), costs);
+                let lattice = if alike { lattice } else { lattice.weighted(weights.clone()) };
+                let slow = slow_costs(&set, &weights, from, costs);
+                prop_assert_eq!(&lattice.costs(from, &[]), &slow);
+                let within: Vec<u32> = slow.iter().map(|&cost| if cost <= most { cost } else { UNREACHED }).collect();
+                prop_assert_eq!(lattice.costs_within(from, most), within);
+                let found = lattice.costs(from, goals);
+                for &goal in goals {
+                    prop_assert_eq!(found[goal], slow[goal], "as far as it is asked for");
+                    let Some(way) = lattice.way_back(&found, goal) else {
+                        prop_assert_eq!(slow[goal], UNREACHED);
+                        continue;
+                    };
+                    prop_assert_eq!((way[0], way[way.len() - 1]), (goal, from));
+                    let steps: Option<Vec<u32>> = way.windows(2).map(|pair| {
+                        lattice.steps(pair[1]).find(|(to, _)| *to == pair[0]).map(|(_, step)| step)
+                    }).collect();
+                    prop_assert_eq!(steps.map(|steps| steps.iter().sum::<u32>()), Some(slow[goal]));
+                    prop_assert!(lattice.length(&way) <= slow[goal] && (!alike || lattice.length(&way) == slow[goal]));
+                }
             }
         }
-    }
 
     #[test]
     fn no_way_cuts_a_corner() {

@@ -9,6 +9,6 @@ mod errands;
 mod planning;
 mod plans;
 
-pub use errands::{APART_M, GOALS};
+pub use errands::{APART_M, GOALS, LONGEST_M};
 pub use planning::{NeverSeen, Planning};
 pub use plans::{Navigation, Plan};

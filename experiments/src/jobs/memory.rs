@@ -14,6 +14,9 @@ const SIDE: usize = 64;
 /// What there is besides maps, bytes per cell: the truth, what was seen, pictures.
 const BESIDES: f64 = 24.0;
 
+/// Planning drives on a map, bytes per cell: what is free, the steps between, and the costs of ways; and the places they lead between.
+const DRIVES: f64 = 24.0;
+
 /// A map that is shown while it is being made, bytes per cell: a copy of its occupancy.
 const COPY: f64 = 8.0;
 
@@ -35,6 +38,11 @@ pub(crate) fn of_mapping(grid: &GridSpec, mappers: &[&Entry], setup: &Model, cop
 /// What the cells take besides the mappers, bytes.
 pub(crate) fn besides(grid: &GridSpec) -> f64 {
     grid.cells() as f64 * BESIDES
+}
+
+/// What planning drives on a map takes besides, bytes.
+pub(crate) fn of_drives(grid: &GridSpec) -> f64 {
+    grid.cells() as f64 * DRIVES
 }
 
 /// Refuses a map that memory does not hold.

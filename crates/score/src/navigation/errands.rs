@@ -1,6 +1,6 @@
 //! The pairs of places, drawn from the truth.
 
-use grid::{Lattice, UNREACHED};
+use grid::{Lattice, StepCosts, UNREACHED};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng as _, SeedableRng as _};
 
@@ -10,12 +10,18 @@ pub const GOALS: usize = 10;
 /// The places of a pair are at least this far apart, m.
 pub const APART_M: f64 = 1.0;
 
+/// No shortest way of a pair is longer, m: a search may then end, however large the world is.
+pub const LONGEST_M: f64 = 30.0;
+
 /// The pairs depend on the truth and the robot alone, not on the readings.
 const SEED: u64 = 1959;
 
 /// Starts are tried at most so many times as are needed: where no place that can be reached is far enough, there is
 /// no pair.
 const TRIES: usize = 20;
+
+/// What steps cost: whole numbers near to their lengths.
+pub(super) const COSTS: StepCosts = StepCosts::FINE;
 
 /// A start and where to go from there.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,11 +44,12 @@ pub(super) fn draw(free: &Lattice, pairs: usize) -> Vec<Errand> {
     let mut random = ChaCha8Rng::seed_from_u64(SEED);
     let mut starts: Vec<usize> = free.cells().collect();
     let mut errands = Vec::new();
+    let longest = (LONGEST_M / free.spec().cell_m * f64::from(COSTS.straight)) as u32;
     let (mut left, mut tries) = (pairs, TRIES * pairs.div_ceil(GOALS));
     while left > 0 && tries > 0 && !starts.is_empty() {
         tries -= 1;
         let start = starts.swap_remove(below(&mut random, starts.len()));
-        let costs = free.costs(start, &[]);
+        let costs = free.costs_within(start, longest);
         let reachable = |&cell: &usize| costs[cell] != UNREACHED && apart_m(free, start, cell) >= APART_M;
         let mut places: Vec<usize> = free.cells().filter(reachable).collect();
         let wanted = GOALS.min(left).min(places.len());

@@ -1,8 +1,8 @@
 //! Drives, planned on a map and judged.
 
-use grid::{GridSpec, Lattice, ROUNDING, Raster, StepCosts, clear};
+use grid::{GridSpec, Lattice, ROUNDING, Raster, clear};
 
-use super::errands::{Errand, Goal, draw};
+use super::errands::{COSTS, Errand, Goal, draw};
 use super::planning::{NeverSeen, Planning};
 use crate::error::{probabilities, same_cells};
 use crate::{Metric, ScoreError};
@@ -34,7 +34,7 @@ impl Navigation {
         } else {
             truth.map(|_| false)
         };
-        let errands = draw(&Lattice::new(free, StepCosts::FINE), planning.pairs);
+        let errands = draw(&Lattice::new(free, COSTS), planning.pairs);
         Self { planning, spec: *truth.spec(), unjudged: truth.map(Option::is_none), errands }
     }
 
@@ -73,7 +73,7 @@ impl Navigation {
         };
         let solid = (0..self.spec.cells()).map(|cell| self.unjudged[cell] || obstacle(cell)).collect();
         let free = clear(&Raster::new(self.spec, solid), self.planning.robot_radius_m);
-        let ways = Lattice::new(free, StepCosts::FINE);
+        let ways = Lattice::new(free, COSTS);
         Ok(self.errands.iter().flat_map(|errand| planned(&ways, errand)).collect())
     }
 
@@ -98,7 +98,7 @@ impl Navigation {
             (0..self.spec.cells()).map(|cell| free[cell] && footprint[cell] <= self.planning.threshold).collect();
         let more = f64::from(self.planning.most_costly.max(1) - 1);
         let weights = footprint.map(|p| 1 + (more * (p / self.planning.threshold).min(1.0)).round() as u8);
-        let ways = Lattice::new(Raster::new(self.spec, fits), StepCosts::FINE).weighted(weights);
+        let ways = Lattice::new(Raster::new(self.spec, fits), COSTS).weighted(weights);
         Ok(self.errands.iter().flat_map(|errand| planned(&ways, errand)).collect())
     }
 

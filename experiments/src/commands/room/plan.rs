@@ -43,7 +43,9 @@ pub(super) fn refuse_too_large(
     let grid = &ground.scene.grid;
     let copies = ground.scene.stages.len() + 1 + frames.div_ceil(2);
     let at_once = rayon::current_num_threads().min(options.seeds as usize);
-    let bytes = at_once as f64 * (memory::of_mapping(grid, mappers, setup, copies) + memory::besides(grid));
+    let planned = if ground.planning.pairs > 0 { mappers.len().min(rayon::current_num_threads()) } else { 0 };
+    let besides = memory::besides(grid) + planned as f64 * memory::of_drives(grid);
+    let bytes = at_once as f64 * (memory::of_mapping(grid, mappers, setup, copies) + besides);
     let remedy = "use larger cells (--grid), fewer mappers, or fewer --threads with several seeds";
     memory::refuse(&options.scene.display().to_string(), grid, bytes, remedy)
 }

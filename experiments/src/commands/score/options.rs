@@ -158,7 +158,7 @@ With --scans, maps are scored over what the rays could see, in the regions of `r
 Without, every known cell of the truth is scored, region `all`, and every occupied cell can be missed (missed_area). Metrics are those of `room` but for \
 retention, which needs a map after every scan; `known` is the share of the region of which the map knows something, `outside` the share beyond its border.
 
-Drives (reached, colliding, detour; region `all`) go between the same pairs of places on every map: places and pairs follow from the truth, where a robot's disc stands clear and a way joins them, at least 1 m apart. \
+Drives (reached, colliding, detour; region `all`) go between the same pairs of places on every map: places and pairs follow from the truth, where a robot's disc stands clear and a way of at most 30 m joins them, at least 1 m apart. \
 They are planned in the cells of the truth, 8 neighbours, on what the map takes for free, and driven as a disc among the scene's obstacles, or among the occupied cells of a map. reached is the share planned and driven without a collision, \
 colliding the share planned and driven into something; the rest was not planned. footprint_reached, footprint_colliding and footprint_detour are the same of plans by the probability that an obstacle stands under the disc. detour is the mean length of those reached over a shortest way in the truth.
 

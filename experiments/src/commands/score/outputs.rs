@@ -58,7 +58,7 @@ pub(super) fn write(
 }
 
 const LEAD: &str = "Maps of any maker against the truth, on the same cells.";
-const SCORES: &str = "Log loss, Brier score, calibration error (ece), phantom and missed area, collisions and detour are better when lower, the others when higher; a dash \
+const SCORES: &str = "Log loss, Brier score, calibration error (ece), phantom and missed area and collisions are better when lower, the others when higher; a dash \
     is a metric that is not defined there. Differences are over the cells that both maps are scored on; their intervals are 95 % by a bootstrap of \
     tiles of this one world, and say nothing of other worlds.";
 
