@@ -83,7 +83,8 @@ enum Command {
 }
 
 /// The commands that leave a page, each with what makes its page anew.
-const PAGES: [(&str, report::Renewal); 2] = [("room", room::renewed_page), ("compare", compare::renewed_page)];
+const PAGES: [(&str, report::Renewal); 3] =
+    [("room", room::renewed_page), ("compare", compare::renewed_page), ("score", score::renewed_page)];
 
 /// Runs the command that the command line names.
 pub fn main() -> ExitCode {

@@ -2,15 +2,18 @@
 
 mod alignment;
 mod candidate;
+mod document;
 mod figures;
 mod options;
 mod outputs;
+mod profiles;
 mod regions;
 mod rows;
 mod scored;
 mod text;
 mod truth;
 
+pub use document::renewed_page;
 pub use options::ScoreOptions;
 
 use std::path::PathBuf;
@@ -87,6 +90,7 @@ fn scored(
         let before = rows::scores(name, &before, truth, regions, options.unknown)?;
         rows.extend(alignment::rows(name, alignment, &before));
     }
+    let profiles = profiles::of(&map, truth, regions, options.unknown)?;
     let warnings = alignment::doubts(candidate, &frame, alignment.as_ref(), truth, options)?;
     Ok(ScoredMap {
         name: name.to_owned(),
@@ -94,6 +98,7 @@ fn scored(
         map,
         assumed: candidate.assumed,
         rows,
+        profiles,
         alignment: alignment.map(|alignment| (candidate.frame, alignment)),
         warnings,
     })

@@ -11,7 +11,8 @@ use serde_json::Value;
 use super::part::Picture;
 use crate::failure::Failure;
 use crate::output::args::{Edges, Law, PriorOptions};
-use crate::output::ledger::RECORD;
+use crate::output::digest;
+use crate::output::ledger::{Ledger, RECORD};
 use crate::output::table::Table;
 
 /// A folder of results to read from.
@@ -41,8 +42,28 @@ impl Folder<'_> {
     /// A file that cannot be read.
     pub fn read(&self, file: &str) -> Result<Vec<u8>, Failure> {
         fs::read(self.path.join(file)).map_err(|e| {
-            self.refuse(file, &format!("cannot be read: {e}; give a folder that 'room' or 'compare' left whole"))
+            self.refuse(
+                file,
+                &format!("cannot be read: {e}; give a folder that 'room', 'compare' or 'score' left whole"),
+            )
         })
+    }
+
+    /// A file of the folder as the run left it.
+    ///
+    /// # Errors
+    /// A file that cannot be read, that the record does not list, or that somebody has changed.
+    pub fn proved(&self, file: &str) -> Result<Vec<u8>, Failure> {
+        let bytes = self.read(file)?;
+        let left = match Ledger::read(self.path) {
+            Ledger::Ours(record) => record.files.into_iter().find(|entry| entry.name == file),
+            _ => None,
+        };
+        match left {
+            Some(entry) if entry.sha256 == digest::hex(&digest::sha256(&bytes)) => Ok(bytes),
+            Some(_) => Err(self.refuse(file, "has changed since the run that wrote it; run the command again")),
+            None => Err(self.refuse(file, "is not among the files of the record; run the command again")),
+        }
     }
 
     /// What the folder was made from, with the names of all files alone under `files`.

@@ -7,10 +7,9 @@ use score::{Resampling, Tiles};
 use super::alignment;
 use super::options::{ScoreOptions, Unknown};
 use super::rows::{Difference, Row};
-use super::scored::{Scored, ScoredMap};
+use super::scored::Scored;
 use super::truth::Truth;
 use crate::output::table::{aligned, wrapped};
-use crate::page::{Cell, Sheet};
 use crate::worlds::criteria::criterion;
 
 /// Columns of the terminal.
@@ -20,7 +19,7 @@ const WIDTH: usize = 80;
 const NAME: usize = 17;
 
 /// What stands in the table: heading, metric, decimals.
-const COLUMNS: [(&str, &str, usize); 8] = [
+pub(super) const COLUMNS: [(&str, &str, usize); 8] = [
     ("log loss", "log_loss", 3),
     ("Brier", "brier", 4),
     ("ECE", "ece", 3),
@@ -35,7 +34,7 @@ const COLUMNS: [(&str, &str, usize); 8] = [
 const DIFFERENCES: [&str; 5] = ["log_loss", "brier", "iou", "phantom_area", "missed_area"];
 
 /// What the regions of a table are called.
-fn title(region: &str) -> String {
+pub(super) fn title(region: &str) -> String {
     match region {
         "all" => "All known cells".to_owned(),
         "observable" => "All that could be seen".to_owned(),
@@ -79,22 +78,6 @@ pub(super) fn text(scored: &Scored, truth: &Truth, options: &ScoreOptions) -> St
         text += &differences(&scored.differences, &scored.maps[0].name, &scored.shown[0], &Tiles::of(spec));
     }
     text
-}
-
-/// The table of a region, for a page.
-pub(super) fn sheet(scored: &Scored, region: &str) -> Sheet {
-    let heads = ["map"].into_iter().chain(COLUMNS.iter().map(|column| column.0)).map(str::to_owned).collect();
-    let cells = |map: &ScoredMap| {
-        let mut cells = row(&map.name, &map.rows, region);
-        cells[0].clone_from(&map.name);
-        cells.into_iter().map(Cell::from).collect()
-    };
-    Sheet {
-        caption: title(region),
-        note: "areas in m²".to_owned(),
-        heads,
-        rows: scored.maps.iter().map(cells).collect(),
-    }
 }
 
 /// Adds a paragraph in lines of the terminal's width, the second and later ones indented.
