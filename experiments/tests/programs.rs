@@ -154,14 +154,42 @@ fn a_room_is_mapped_by_a_program_and_the_rest_is_as_ever() {
     assert!(place.path("out/mine-end.npy").is_file());
     let record: Value = serde_json::from_slice(&fs::read(place.path("out/run.json")).expect("there")).expect("JSON");
     assert_eq!(record["configuration"]["programs"][0]["name"], "mine");
-    let (_, err) = checked(2, &"report", &place.run(&["report", "out"]));
-    assert!(err.contains("was made with a program"), "{err}");
     let without =
         place.run(&["room", "--scene", "closet.toml", "--mappers", "prior", "--format", "csv", "--out", "o2"]);
     assert!(
         String::from_utf8_lossy(&without.stdout)
             .starts_with("scene,seed,mapper,stage,region,metric,value,unit,support\n")
     );
+}
+
+#[test]
+fn the_page_of_a_room_is_laid_anew_without_starting_its_programs() {
+    let stages = "[[stage]]\nname = \"there\"\nafter = [\"A\", \"B\"]\n[[stage]]\nname = \"back\"\nafter = [\"A\", \"B\", \"A\"]\n";
+    for (code, mappers, programs) in [
+        (0, "b,prior,a", &["a=./child prior-f4", "b=online: ./child online"][..]),
+        (3, "a,b", &["a=./child fails", "b=online: ./child online-dies"]),
+        (0, "a", &["a=online: ./child online"]),
+    ] {
+        let place = Place::new();
+        fs::write(place.path("closet.toml"), format!("{SCENE}{stages}")).expect("writable");
+        fs::copy(CHILD, place.path("child")).expect("copied");
+        let mut args = vec!["room", "--scene", "closet.toml", "--seeds", "2", "--out", "out", "--mappers", mappers];
+        programs.iter().for_each(|program| args.extend(["--mapper", program]));
+        checked(code, &args, &place.run(&args));
+        fs::remove_file(place.path("child")).expect("there");
+        let read = |name: &str| fs::read(place.path("out").join(name)).expect("there");
+        let (page, record) = (read("report.html"), read("run.json"));
+        fs::remove_file(place.path("out/report.html")).expect("there");
+        checked(0, &"report", &place.run(&["report", "out"]));
+        assert!(read("report.html") == page && read("run.json") == record, "{programs:?}");
+        let kept = String::from_utf8(read("a-page.json")).expect("text");
+        fs::write(place.path("out/a-page.json"), kept.replace("\"seed\":1", "\"seed\":2")).expect("writable");
+        let (_, err) = checked(2, &"report", &place.run(&["report", "out"]));
+        assert!(err.contains("a-page.json: has changed since the run that wrote it"), "{err}");
+        fs::remove_file(place.path("out/a-page.json")).expect("there");
+        let (_, err) = checked(2, &"report", &place.run(&["report", "out"]));
+        assert!(err.contains("a-page.json: cannot be read"), "{err}");
+    }
 }
 
 /// Whether a process has ended, or is about to be buried.

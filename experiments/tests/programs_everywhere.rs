@@ -68,6 +68,13 @@ fn compare_pairs_a_program_with_the_reference() {
     assert!(pairs > 10);
     assert!(of(&rows, "bad").count() > 0 && of(&rows, "bad").all(|row| row["difference"].is_null()));
     assert_eq!(lines(folder.path(), "same"), lines(folder.path(), "prior"));
+    // The page is laid anew without starting a program.
+    let page = fs::read(folder.path().join("c/report.html")).expect("there");
+    fs::remove_file(folder.path().join("c/report.html")).expect("there");
+    let mut command = Command::cargo_bin("experiments").expect("built");
+    let report = command.current_dir(folder.path()).env("PATH", "").args(["report", "c"]).output().expect("starts");
+    let (_, err) = checked(0, &"report", &report);
+    assert!(!err.contains("same") && fs::read(folder.path().join("c/report.html")).expect("there") == page, "{err}");
     let bad = fs::read_to_string(folder.path().join("c/scores-bad.csv")).expect("there");
     assert!(bad.lines().skip(1).all(|line| line.contains("exit code 3: must be 0")), "{bad}");
 }
