@@ -25,6 +25,7 @@ use crate::exit;
 use crate::failure::Failure;
 use crate::jobs::memory;
 use crate::output::args::{Given, SceneOptions};
+use crate::programs::watcher;
 
 /// Tells good maps from bad ones: simulates a robot with a stereo camera, maps what it sees by
 /// several rules, and scores the maps against the truth.
@@ -88,6 +89,9 @@ const PAGES: [(&str, report::Renewal); 3] =
 
 /// Runs the command that the command line names.
 pub fn main() -> ExitCode {
+    if let Some(code) = watcher::if_asked() {
+        return code;
+    }
     let matches = Cli::command().get_matches();
     let mut command = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit()).command;
     let given = matches.subcommand().map(|(_, options)| Given::of(options)).unwrap_or_default();

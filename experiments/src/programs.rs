@@ -15,7 +15,9 @@ pub mod options;
 mod orphans;
 mod process;
 pub mod program;
+pub mod serve;
 mod talk;
+pub(crate) mod watcher;
 
 /// A word that no other process or folder of this or another run is called by.
 fn unique() -> String {

@@ -118,7 +118,7 @@ impl Mapper for Online {
 }
 
 /// A scan as a message. A beam without echo, which JSON has no number for, is the text "inf".
-fn message(number: usize, scan: &Scan, reading: &str) -> Value {
+pub(super) fn message(number: usize, scan: &Scan, reading: &str) -> Value {
     let value = |reading: &Option<f64>| match reading {
         Some(value) if value.is_infinite() => json!("inf"),
         other => json!(other),
