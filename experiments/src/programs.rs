@@ -17,6 +17,7 @@ mod process;
 pub mod program;
 pub mod serve;
 mod talk;
+pub mod times;
 pub(crate) mod watcher;
 
 /// A word that no other process or folder of this or another run is called by.
