@@ -61,6 +61,15 @@ impl Place {
     }
 }
 
+/// An NPY file in double precision, written by hand.
+fn doubles(width: usize, shares: &[f64]) -> Vec<u8> {
+    let head = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({}, {width}), }}", shares.len() / width);
+    let mut bytes = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
+    bytes.extend(format!("{head:<117}\n").bytes());
+    bytes.extend(shares.iter().flat_map(|share| share.to_le_bytes()));
+    bytes
+}
+
 const AT: [&str; 4] = ["--resolution", "0.5", "--origin", "1,2,0"];
 
 /// Every metric straight from its definition, in the order of the table: value and support.
@@ -292,6 +301,17 @@ fn what_is_refused() {
         "small.npy: has no resolution and origin, and 20 x 30 cells where the truth has 40 x 30",
     );
     place.refused(&["t.pgm", "--truth", "absent.yaml"], "absent.yaml: cannot be read");
+    for folder in ["f.npy", "f.yaml", "f.png"] {
+        fs::create_dir(place.path().join(folder)).expect("made");
+        place.refused(&[folder, "--truth", "t.yaml"], &format!("{folder}: is a folder; name the file of a map in it"));
+        place.refused(&["t.yaml", "--truth", folder], &format!("{folder}: is a folder; name the file of a map in it"));
+    }
+    #[cfg(unix)]
+    {
+        let made = std::process::Command::new("mkfifo").arg(place.path().join("pipe.npy")).status().expect("mkfifo");
+        assert!(made.success());
+        place.refused(&["pipe.npy", "--truth", "t.yaml"], "pipe.npy: is a pipe or a device; save the map to a file");
+    }
 }
 
 #[test]
@@ -444,4 +464,44 @@ fn the_page_is_laid_anew_from_the_folder_alone() {
     fs::write(place.path().join("out/profiles.csv"), table.replace("0.25,1,", "0.25,2,")).expect("writable");
     let (out, err) = place.expect(2, &["report", "out"]);
     assert!(out.is_empty() && err.contains("profiles.csv: has changed since the run that wrote it"), "{err}");
+}
+
+#[test]
+fn arrays_in_double_precision_are_scored_as_they_are() {
+    let place = Place::new();
+    place.array("truth.npy", 2, &[1.0, 0.0]);
+    // Rounded to single precision, the first is 2e-4 above itself relative to what it lacks of one, and the others tie.
+    let sure = 1.0 - 1.23456e-4;
+    place.put("map.npy", doubles(2, &[sure, 0.25]));
+    let args = [&["map.npy", "--truth", "truth.npy"], &AT[..]].concat();
+    let expected = (-sure.ln() - 0.75_f64.ln()) / 2.0;
+    let squares = ((1.0 - sure) * (1.0 - sure) + 0.0625) / 2.0;
+    assert!((place.value(&args, "log_loss") - expected).abs() < 1e-6);
+    assert!((place.value(&args, "brier") - squares).abs() < 1e-7);
+    place.put("map.npy", doubles(2, &[0.5 + 5e-9, 0.5]));
+    assert!((place.value(&args, "auc") - 1.0).abs() < 1e-12, "the two differ by less than single precision can tell");
+    place.put("map.npy", doubles(2, &[0.19999999999, 0.2]));
+    assert!((place.value(&args, "missed_area") - 0.25).abs() < 1e-12, "below the threshold");
+}
+
+#[test]
+fn what_is_suspicious_is_warned_of() {
+    let place = Place::new();
+    world(&place);
+    place.array("blank.npy", 40, &[f32::NAN; 1200]);
+    let (_, err) = place.expect(0, &["score", "blank.npy", "--truth", "truth.npy"]);
+    assert!(err.starts_with("warning: blank.npy: knows nothing of any cell of the truth"), "{err}");
+    for (order, remedy) in [(&[][..], "with --row-order top"), (&["--row-order", "bottom"], "with --row-order top")] {
+        let picture: Vec<f32> = (0..1200).map(|k| if (39 - k % 40) > 30 || k / 40 < 10 { 0.9 } else { 0.1 }).collect();
+        let upwards: Vec<f32> = picture.chunks(40).rev().flatten().map(|p| f32::from(u8::from(*p > 0.5))).collect();
+        place.array("up.npy", 40, &upwards);
+        place.array("picture.npy", 40, &picture);
+        let (_, err) = place.expect(0, &[&["score", "picture.npy", "--truth", "up.npy"], order].concat());
+        assert!(
+            err.contains("picture.npy: agrees better with its rows in the other order") && err.contains(remedy),
+            "{err}"
+        );
+        let top = place.expect(0, &["score", "picture.npy", "--truth", "up.npy", "--row-order", "top"]);
+        assert_eq!(top.1, "", "the remedy is one");
+    }
 }

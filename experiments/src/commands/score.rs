@@ -90,8 +90,16 @@ fn scored(
         let before = rows::scores(name, &before, truth, regions, options.unknown)?;
         rows.extend(alignment::rows(name, alignment, &before));
     }
+    let judged = |cell: &usize| truth.cells[*cell].is_some() && map.known[*cell];
+    let blank = !(0..truth.cells.spec().cells()).any(|cell| judged(&cell));
     let profiles = profiles::of(&map, truth, regions, options.unknown)?;
-    let warnings = alignment::doubts(candidate, &frame, alignment.as_ref(), truth, options)?;
+    let mut warnings = alignment::doubts(candidate, &frame, alignment.as_ref(), truth, options)?;
+    if blank {
+        let path = candidate.path.display();
+        warnings.push(format!(
+            "{path}: knows nothing of any cell of the truth, so that --unknown alone decides its scores"
+        ));
+    }
     Ok(ScoredMap {
         name: name.to_owned(),
         how: map.how,
