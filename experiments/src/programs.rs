@@ -5,6 +5,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
+mod adopted;
 mod batch;
 mod described;
 mod exchange;

@@ -310,7 +310,7 @@ fn a_program_that_does_not_read_is_ended() {
 
 #[test]
 fn no_process_is_left() {
-    for (behaviour, code) in [("forks", 0), ("escapes", 0), ("forks-and-sleeps", 3)] {
+    for (behaviour, code) in [("forks", 0), ("escapes", 0), ("disguises", 0), ("forks-and-sleeps", 3)] {
         let place = Place::new();
         let pid_file = place.path("pid");
         let program = format!("{CHILD} {behaviour} {}", pid_file.display());

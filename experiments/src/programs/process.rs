@@ -10,7 +10,7 @@ use std::{io, thread};
 use super::fault::Fault;
 use super::kept::Drain;
 use super::watcher::{self, Watched};
-use super::{orphans, unique};
+use super::{adopted, orphans, unique};
 use crate::jobs::interruption::{self, CleanUp};
 
 /// How often [`Process::wait`] looks at what a process does meanwhile.
@@ -75,13 +75,14 @@ impl Process {
         let clean_up = interruption::clean_up(move || {
             end(&place, &marked);
             orphans::kill(&marked);
+            adopted::kill();
         });
         let mut locked = lock(&group);
         if matches!(*locked, Group::Over(_)) {
             return Err(Fault::Interrupted);
         }
         let mut child = system::isolate(&mut command)
-            .and_then(|()| command.spawn())
+            .and_then(|()| adopted::spawn(&mut command))
             .map_err(|source| cannot_start(name, source))?;
         let pipes = (child.stdin.take(), child.stdout.take(), child.stderr.take());
         let pid = child.id();
@@ -102,6 +103,7 @@ impl Process {
             (Err(source), _) | (_, Err(source)) => {
                 end(&group, &mark);
                 orphans::kill(&mark);
+                adopted::kill();
                 Err(cannot_start(name, source))
             }
         }
@@ -133,6 +135,7 @@ impl Process {
     pub(super) fn end(&self) -> Option<ExitStatus> {
         let status = end(&self.group, &self.mark);
         orphans::kill(&self.mark);
+        adopted::kill();
         for drain in [Some(&self.stderr), self.stdout.as_ref()].into_iter().flatten() {
             drain.finish(DRAINED);
         }
@@ -149,6 +152,7 @@ impl Drop for Process {
     fn drop(&mut self) {
         if end(&self.group, &self.mark).is_some() {
             orphans::kill(&self.mark);
+            adopted::kill();
         }
     }
 }
@@ -173,7 +177,9 @@ fn end(group: &Mutex<Group>, mark: &str) -> Option<ExitStatus> {
     if let Group::Running(child) = &mut *locked {
         orphans::kill_group(child.id());
         watcher::leader(mark, None);
-        *locked = Group::Over(child.wait().ok());
+        let status = child.wait().ok();
+        adopted::reaped(child.id());
+        *locked = Group::Over(status);
     }
     match &*locked {
         Group::Over(status) => *status,

@@ -14,7 +14,7 @@ use std::sync::{Mutex, PoisonError};
 
 use serde::{Deserialize, Serialize};
 
-use super::orphans;
+use super::{adopted, orphans};
 
 /// The argument that makes this executable a watcher.
 const WORD: &str = "--watch-programs";
@@ -109,6 +109,7 @@ fn watch(input: impl BufRead) {
 fn tell(charge: &Charge) {
     let mut watcher = WATCHER.lock().unwrap_or_else(PoisonError::into_inner);
     if matches!(*watcher, State::Before) && ABLE.load(Ordering::SeqCst) {
+        adopted::begin();
         *watcher = start().map_or(State::Without, State::Running);
     }
     let State::Running(child) = &mut *watcher else { return };
@@ -129,7 +130,8 @@ fn start() -> io::Result<Child> {
     let own = if cfg!(target_os = "linux") { PathBuf::from("/proc/self/exe") } else { std::env::current_exe()? };
     let mut command = Command::new(own);
     command.args([WORD, &std::process::id().to_string()]).current_dir("/").process_group(0);
-    command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::null()).spawn()
+    command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::null());
+    adopted::spawn(&mut command)
 }
 
 /// Programs as mappers need a Unix system.

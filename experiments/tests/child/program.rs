@@ -61,6 +61,11 @@ fn main() -> ExitCode {
             leave_behind(&args[1], &["setsid"]);
             write(&folder, &npy(&folder, "<f8", |_, prior| prior));
         }
+        // The same, and nothing in its environment tells where it comes from.
+        "disguises" => {
+            leave_behind(&args[1], &["setsid", "env", "-i"]);
+            write(&folder, &npy(&folder, "<f8", |_, prior| prior));
+        }
         "forks-and-sleeps" => {
             leave_behind(&args[1], &[]);
             std::thread::sleep(Duration::from_secs(1000));
