@@ -5,6 +5,7 @@ pub mod bins;
 pub mod claims;
 pub mod condition;
 pub mod criteria;
+pub mod drives;
 pub mod faults;
 pub mod map_file;
 pub mod mappers;

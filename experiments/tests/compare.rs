@@ -101,7 +101,13 @@ fn compare_leaves_every_file_it_promises_and_an_account_of_eighty_columns() {
         assert_eq!(text(&format!("scores-{mapper}.csv")).lines().count(), 1 + 6 * worlds, "{mapper}");
     }
     // One scope, since there is one family and one condition.
-    assert_eq!(text("differences.csv").lines().count(), 1 + 6 * 13 * (mappers.len() - 1));
+    // Fifteen metrics in every region, and three of drives in one.
+    assert_eq!(text("differences.csv").lines().count(), 1 + (6 * 15 + 3) * (mappers.len() - 1));
+    let summary = text("summary.csv");
+    for metric in ["reached", "colliding", "detour"] {
+        assert_eq!(summary.matches(&format!(",{metric},")).count(), mappers.len(), "{metric} in one region");
+    }
+    assert!(summary.contains("all,all,visibility,reached,1,8,0."), "{metric} has a value", metric = "reached");
     assert!(text("summary.md").contains("| conventional loses on log loss |"));
     assert!(!text("report.html").contains("http"), "the report needs no network");
     assert!(found["report.html"].len() < 10_000_000);

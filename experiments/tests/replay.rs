@@ -43,7 +43,8 @@ fn log_loss(map: &Path, spec: &GridSpec, truth: &Raster<Option<bool>>, seen: &Ra
 
 fn rows(out: &str) -> Vec<(String, f64, f64, f64)> {
     let mut table = csv::Reader::from_reader(out.as_bytes());
-    assert_eq!(table.headers().expect("heads"), vec!["mapper", "readings", "predictive_log_loss", "low", "high"]);
+    let heads: Vec<&str> = table.headers().expect("heads").iter().take(6).collect();
+    assert_eq!(heads, ["mapper", "readings", "predictive_log_loss", "low", "high", "recalibrated_log_loss"]);
     let row = |row: csv::StringRecord| {
         let number = |k: usize| row[k].parse().expect("a number");
         (row[0].to_owned(), number(2), number(3), number(4))
@@ -92,14 +93,51 @@ fn a_simulated_log_ranks_mappers_as_the_truth_does() {
     }
     assert!(row("visibility-chain").1 < row("conventional").2);
     let mut differences = csv::Reader::from_path(folder.path().join("o/differences.csv")).expect("written");
-    for record in differences.records().map(|record| record.expect("a row")) {
-        let (name, verdict) = (&record[0], &record[5]);
+    let differences: Vec<_> = differences.records().map(|record| record.expect("a row")).collect();
+    for record in &differences {
+        let (name, score, verdict) = (&record[0], &record[2], &record[6]);
         match verdict {
             "undecided" => {}
-            _ if name == "visibility-chain" => {}
+            _ if name == "visibility-chain" => assert_eq!(score, "plain"),
             _ => assert_eq!(verdict == "worse", by_truth(name) > by_truth("visibility"), "{record:?}"),
         }
     }
+    assert_eq!(differences.iter().filter(|record| &record[2] == "recalibrated").count(), 5);
+}
+
+/// Clamps decide no more: maps that have found walls predict better than a map that says the same of every cell it has seen, which the
+/// plain scores deny, and none is worse than before.
+#[test]
+fn recalibrated_a_map_with_clamps_is_better_than_none() {
+    let (folder, _, _) = with_log(&room());
+    let mappers = "visibility,log-odds-octomap,log-odds-cartographer,prior";
+    let arguments = ["room.log.gz", "--mappers", mappers, "--out", "o", "--format", "json"];
+    let (out, _) = checked(0, &arguments, &replay(folder.path(), &arguments));
+    let document: Value = serde_json::from_str(&out).expect("JSON");
+    let row = |name: &str| {
+        document["rows"].as_array().expect("rows").iter().find(|row| row["mapper"] == name).expect("a row").clone()
+    };
+    let of = |name: &str, key: &str| row(name)[key].as_f64().expect("a number");
+    for name in ["log-odds-octomap", "log-odds-cartographer"] {
+        assert!(of(name, "high") > of("prior", "low"), "the plain score cannot tell it from nothing: {document}");
+        assert!(of(name, "recalibrated_high") < of("prior", "recalibrated_low"), "{document}");
+        assert!(of(name, "shift") < 0.0 && of(name, "slope") > 0.0, "{document}");
+    }
+    for name in ["visibility", "log-odds-octomap", "log-odds-cartographer", "prior"] {
+        assert!(of(name, "recalibrated_log_loss") < of(name, "predictive_log_loss") + 0.01, "{document}");
+    }
+    assert!(row("visibility-chain")["recalibrated_log_loss"].is_null());
+}
+
+/// A recalibration takes two scans with readings that are kept back: one to fit to, one to score.
+#[test]
+fn one_scan_kept_back_is_scored_as_the_maps_are() {
+    let (folder, log, _) = with_log(&room());
+    let few: Vec<&str> = log.lines().take(12).collect();
+    fs::write(folder.path().join("few.log"), few.join("\n") + "\n").expect("writable");
+    let arguments = ["few.log", "--mappers", "visibility", "--hold-out", "7", "--out", "o"];
+    let (out, _) = checked(0, &arguments, &replay(folder.path(), &arguments));
+    assert!(out.contains("nats/reading") && out.contains("too few to recalibrate"), "{out}");
 }
 
 /// The drive of `results/room`, whose metrics say which map is closest to the truth. Of the other two `conventional` predicts

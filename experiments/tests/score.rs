@@ -117,6 +117,8 @@ fn oracle(cells: &[(f64, bool)], cell_area: f64) -> Vec<(&'static str, Option<f6
         ("missed_area", area(count(&|p, t| t && p < 0.2), occupied), occupied),
         ("free_known", share(count(&|p, t| !t && p < 0.2), free), free),
         ("free_lost", share(phantom, free), free),
+        ("recall_50", share(count(&|p, t| t && p > 0.5), occupied), occupied),
+        ("recall_65", share(count(&|p, t| t && p > 0.65), occupied), occupied),
     ]
 }
 
@@ -141,7 +143,7 @@ proptest! {
         let judged: Vec<(f64, bool)> = cells.iter().filter_map(|(p, t)| Some((p.map(share).or(counts_as)?, (*t)?))).collect();
         let known = cells.iter().filter(|(p, t)| p.is_some() && t.is_some()).count();
         let all = cells.iter().filter(|(_, t)| t.is_some()).count();
-        let rows = place.rows(&[&["map.npy", "--truth", "truth.npy", "--unknown", unknown, "--prior", "0.3"], &AT[..]].concat());
+        let rows = place.rows(&[&["map.npy", "--truth", "truth.npy", "--unknown", unknown, "--prior", "0.3", "--plan-pairs", "0"], &AT[..]].concat());
         let mut expected = oracle(&judged, 0.25);
         expected.push(("known", Some(known as f64 / all as f64), all));
         expected.push(("outside", Some(0.0), all));
@@ -189,7 +191,9 @@ fn world(place: &Place) {
 fn the_terminal() {
     let place = Place::new();
     world(&place);
-    let (out, err) = place.expect(0, &["score", "good.npy", "poor.npy", "--truth", "truth.npy"]);
+    let drives = ["--plan-unknown", "free"];
+    let (out, err) =
+        place.expect(0, &[&["score", "good.npy", "poor.npy", "--truth", "truth.npy"], &drives[..]].concat());
     assert_eq!(err, "", "all is well");
     assert!(out.lines().all(|line| line.chars().count() <= 80), "{out}");
     insta::assert_snapshot!(out);
@@ -218,7 +222,7 @@ fn the_truth_itself_scores_perfectly_and_the_order_of_files_does_not_matter() {
         rows.into_iter().filter(|row| row["metric"] != "known").map(|row| row["value"].clone()).collect::<Vec<_>>()
     };
     assert_eq!(
-        strip(place.rows(&["nothing.npy", "--truth", "truth.npy"])),
+        strip(place.rows(&["nothing.npy", "--truth", "truth.npy", "--plan-unknown", "free"])),
         strip(place.rows(&["prior.npy", "--truth", "truth.npy"]))
     );
 }
@@ -344,8 +348,52 @@ fn a_room_is_scored_as_room_scores_it() {
     place.expect(0, &["room", "--scene", "closet.toml", "--mappers", "visibility", "--out", "room"]);
     let by_array = place.rows(&["room/visibility-end.npy", "--truth", "room/truth.npy"]);
     let by_scene = place.rows(&["room/visibility-end.npy", "--truth", "closet.toml"]);
-    let all = |rows: Vec<Value>| rows.into_iter().filter(|row| row["region"] == "all").collect::<Vec<_>>();
-    assert_eq!(all(by_array), all(by_scene));
+    let is_driven = |row: &Value| ["reached", "colliding", "detour"].iter().any(|metric| row["metric"] == *metric);
+    let (driven, by_scene): (Vec<Value>, Vec<Value>) = by_scene.into_iter().partition(is_driven);
+    let all = |row: &Value| row["region"] == "all" && !is_driven(row);
+    assert_eq!(
+        by_array.into_iter().filter(all).collect::<Vec<_>>(),
+        by_scene.into_iter().filter(all).collect::<Vec<_>>()
+    );
+    // Drives among the scene's obstacles are those of the room: the same pairs, plans and collisions.
+    assert_eq!(driven.len(), 3);
+    let csv = fs::read_to_string(place.path().join("room/metrics.csv")).expect("text");
+    for row in driven {
+        let begins = format!("closet,1,visibility,end,all,{},", row["metric"].as_str().expect("a name"));
+        let of_room = csv.lines().find_map(|line| line.strip_prefix(&begins)).expect("a row");
+        let fields: Vec<Option<f64>> = of_room.split(',').map(|field| field.parse().ok()).collect();
+        assert_eq!([fields[0], fields[2]], [row["value"].as_f64(), row["support"].as_f64()], "{row}");
+    }
+}
+
+#[test]
+fn drives_are_planned_on_the_map_and_driven_in_the_truth() {
+    let place = Place::new();
+    world(&place);
+    place.array("empty.npy", 40, &[0.104; 1200]);
+    place.array("full.npy", 40, &[0.96; 1200]);
+    let metrics = |map: &str, more: &[&str]| {
+        let rows = place.rows(&[&[map, "--truth", "truth.npy"], more].concat());
+        let of = |metric: &str| rows.iter().find(|row| row["metric"] == metric).expect("a row").clone();
+        ["reached", "colliding", "detour"].map(|metric| (of(metric)["value"].as_f64(), of(metric)["support"].as_u64()))
+    };
+    let share = |value: f64| (Some(value), Some(200));
+    assert_eq!(metrics("truth.npy", &[]), [share(1.0), share(0.0), share(1.0)]);
+    assert_eq!(metrics("full.npy", &[]), [share(0.0), share(0.0), (None, Some(0))]);
+    let [reached, colliding, _] = metrics("empty.npy", &[]).map(|(value, _)| value.expect("a value"));
+    assert!(colliding > 0.2 && (reached + colliding - 1.0).abs() < 1e-9, "{reached} {colliding}");
+    // Above every probability of the map nothing is an obstacle; a robot without room has no pairs.
+    assert_eq!(metrics("full.npy", &["--plan-threshold", "0.97"])[..2], metrics("empty.npy", &[])[..2]);
+    assert_eq!(metrics("truth.npy", &["--robot-radius", "1.6"]), [(None, Some(0)); 3]);
+    assert_eq!(metrics("truth.npy", &["--plan-pairs", "15"])[0], (Some(1.0), Some(15)));
+    // What it does not know a robot keeps off, or not.
+    place.array("nothing.npy", 40, &[f32::NAN; 1200]);
+    assert_eq!(metrics("nothing.npy", &[])[0], share(0.0));
+    assert_eq!(metrics("nothing.npy", &["--plan-unknown", "free"]), metrics("empty.npy", &[]));
+    let rows = place.rows(&["truth.npy", "--truth", "truth.npy", "--plan-pairs", "0"]);
+    assert!(rows.iter().all(|row| row["metric"] != "reached"), "{rows:?}");
+    place.refused(&["truth.npy", "--truth", "truth.npy", "--robot-radius", "0"], "from 0.001 to 1000");
+    place.refused(&["truth.npy", "--truth", "truth.npy", "--plan-threshold", "1.5"], "from 0 to 1");
 }
 
 #[test]

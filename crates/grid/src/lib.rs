@@ -8,17 +8,22 @@
 //! - [`Frame`] is a grid that may be turned, with the way from its cells to those of another.
 //! - [`DigitalLine`] lists the cells that a viewing ray crosses, 4-connected, with the range at
 //!   which it enters and leaves each (Figure 2 of the paper).
+//! - [`clear`] finds where a disc fits between cells, and [`Lattice`] the shortest ways over them.
 //! - [`Raster`] is one value per cell; [`npy`] writes it for numpy and reads it back.
 //! - [`ros_map`] reads the maps that robots save, and writes them, as ROS map_server and nav2_map_server do.
 
+mod clearance;
 mod frame;
+mod lattice;
 mod line;
 pub mod npy;
 mod raster;
 pub mod ros_map;
 mod spec;
 
+pub use clearance::{ROUNDING, clear};
 pub use frame::{CellsToCells, Frame};
+pub use lattice::{Lattice, StepCosts, UNREACHED};
 pub use line::DigitalLine;
 pub use raster::{NoMemory, Raster};
 pub use spec::{GridError, GridSpec};

@@ -44,6 +44,7 @@ pub use pairs::posterior::RayPosterior;
 pub use pairs::reconcile::Reconciliation;
 pub use ray::chain::Chain;
 pub use ray::predictive::{Belief, Predictive};
+pub use ray::recalibration::{FitRay, Recalibration};
 pub use ray::update::RayRule;
 pub use ray::{exact, past_the_map, printed};
 pub use rules::conventional::{Conventional, ConventionalRule};

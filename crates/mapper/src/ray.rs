@@ -7,4 +7,5 @@ pub(crate) mod likelihood;
 pub mod past_the_map;
 pub(crate) mod predictive;
 pub mod printed;
+pub(crate) mod recalibration;
 pub(crate) mod update;

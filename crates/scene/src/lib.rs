@@ -4,7 +4,7 @@
 //! exists: every check is made at that one door, and every problem is a [`SceneError`] with file,
 //! line and column. From a scene follow
 //!
-//! - [`World`], in which parry casts rays: [`World::cast`];
+//! - [`World`], in which parry casts rays, [`World::cast`], and discs are driven, [`World::collision`];
 //! - [`drive`], in which rapier moves the robot along the route and finds what blocks it;
 //! - [`simulate`], which gives the readings of a seed, whatever the number of threads;
 //! - [`truth`], the cells that are really occupied, and [`truth_at_centres`], those occupied where
@@ -16,6 +16,7 @@
 //!
 //! Lengths are in metres, angles in radians, counter-clockwise from the x axis.
 
+mod boxes;
 mod drive;
 mod enclosure;
 mod error;

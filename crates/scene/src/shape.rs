@@ -1,6 +1,8 @@
 //! The shapes of obstacles.
 
-use crate::geometry::{self, distance, dot, minus, outline_contains, segment_distance, sides};
+use crate::geometry::{
+    self, distance, dot, minus, outline_contains, segment_distance, segment_meets_rectangle, segments_meet, sides,
+};
 
 /// What an obstacle covers, in m. Walls and map cells are boxes too.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,6 +79,35 @@ impl Shape {
             Self::Polygon { points_m } if outline_contains(points_m, point) => 0.0,
             Self::Polygon { points_m } => {
                 sides(points_m).map(|(a, b)| segment_distance(point, a, b)).fold(f64::INFINITY, f64::min)
+            }
+        }
+    }
+
+    /// Distance of the segment from `a` to `b` to the shape, m, 0 where they share a point.
+    pub(crate) fn segment_distance_m(&self, a: [f64; 2], b: [f64; 2]) -> f64 {
+        match self {
+            Self::Box { center_m, half_m, axis } => {
+                let local = |point| {
+                    let from = minus(point, *center_m);
+                    [dot(from, *axis), geometry::cross(*axis, from)]
+                };
+                let (a, b, [w, h]) = (local(a), local(b), *half_m);
+                if segment_meets_rectangle(a, b, half_m.map(|v| -v), *half_m) {
+                    return 0.0;
+                }
+                // Of two convex shapes that stay apart, a corner or an end is nearest to the other one.
+                let from_end = |[x, y]: [f64; 2]| libm::hypot((x.abs() - w).max(0.0), (y.abs() - h).max(0.0));
+                let corners = [[-w, -h], [w, -h], [w, h], [-w, h]].map(|corner| segment_distance(corner, a, b));
+                corners.into_iter().fold(from_end(a).min(from_end(b)), f64::min)
+            }
+            Self::Disc { center_m, radius_m } => (segment_distance(*center_m, a, b) - radius_m).max(0.0),
+            Self::Polygon { points_m } if outline_contains(points_m, a) => 0.0,
+            Self::Polygon { points_m } => {
+                let apart = |(c, d)| match segments_meet(a, b, c, d) {
+                    true => 0.0,
+                    false => segment_distance(c, a, b).min(segment_distance(a, c, d)).min(segment_distance(b, c, d)),
+                };
+                sides(points_m).map(apart).fold(f64::INFINITY, f64::min)
             }
         }
     }

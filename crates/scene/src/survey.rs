@@ -6,7 +6,6 @@
 //! straight legs ([`route`]). The robot's camera looks ahead, so short legs are added that turn it to what it
 //! would miss, and what is claimed to be seen is what the camera's rays cross on that drive ([`sight`]).
 
-mod distance;
 mod looks;
 mod plan;
 mod route;

@@ -1,13 +1,17 @@
 //! Casting rays, by parry.
 
+mod swept;
+
+use grid::Raster;
 use parry2d_f64::bounding_volume::{Aabb, BoundingVolume as _};
 use parry2d_f64::math::{Pose2, Rot2, Vec2};
 use parry2d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
 use parry2d_f64::query::{Ray, RayCast as _};
 use parry2d_f64::shape::{Ball, Cuboid};
 
+use crate::boxes::boxes;
 use crate::geometry::{cross, dot, minus, sides};
-use crate::{Obstacle, Scene, Shape};
+use crate::{Scene, Shape};
 
 /// Boxes are cast this much larger all round, m: boxes that touch then overlap, and no ray slips
 /// through their seam.
@@ -20,6 +24,8 @@ const LOOSE_M: f64 = 1e-8;
 pub struct World {
     tree: Bvh,
     targets: Vec<Target>,
+    /// The same as they are described: rays see boxes a hair larger.
+    shapes: Vec<Shape>,
 }
 
 /// Where a ray ends.
@@ -41,19 +47,22 @@ enum Target {
 impl World {
     /// Sorts the obstacles of a scene into a tree of boxes.
     pub fn new(scene: &Scene) -> Self {
-        Self::of(&scene.obstacles)
+        Self::of(scene.obstacles.iter().map(|obstacle| obstacle.shape.clone()).collect())
     }
 
-    fn of(obstacles: &[Obstacle]) -> Self {
-        let boxes: Vec<Aabb> = obstacles
-            .iter()
-            .map(|o| {
-                let [min, max] = o.shape.extent_m();
-                Aabb::new(vector(min), vector(max)).loosened(LOOSE_M)
-            })
-            .collect();
-        let targets = obstacles.iter().map(|o| Target::of(&o.shape)).collect();
-        Self { tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes), targets }
+    /// The world of a map that is believed: its occupied cells are boxes, all others are open.
+    pub fn of_cells(cells: &Raster<Option<bool>>) -> Self {
+        Self::of(boxes(&cells.map(|&cell| cell == Some(true))))
+    }
+
+    fn of(shapes: Vec<Shape>) -> Self {
+        let loosened = |shape: &Shape| {
+            let [min, max] = shape.extent_m();
+            Aabb::new(vector(min), vector(max)).loosened(LOOSE_M)
+        };
+        let leaves: Vec<Aabb> = shapes.iter().map(loosened).collect();
+        let targets = shapes.iter().map(Target::of).collect();
+        Self { tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &leaves), targets, shapes }
     }
 
     /// The first obstacle on the ray from `origin` (m) along the unit vector `direction`.

@@ -13,6 +13,7 @@
 //! - [`error_profile`] shows where a map is wrong: error against range, or against number of looks.
 //! - [`Comparison`] says which of two methods is better, by how much and how surely; [`holm`] adjusts
 //!   for many such questions; [`Verdict`] puts the answer into a word.
+//! - [`navigation`] plans drives on a map and says how many of them can be driven.
 //! - [`Tiles`] says how sure the difference of two maps of one world is.
 //! - [`Summary`] is the spread of a metric over seeds.
 //! - [`threshold`] holds the probabilities at which a map is taken at its word.
@@ -25,6 +26,7 @@ mod error;
 mod judged;
 mod log_loss;
 mod metric;
+pub mod navigation;
 mod pooled;
 mod profile;
 mod ranking;

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-/// A metric with its unit and the number of cells behind it.
+/// A metric with its unit and the number of cells, or of drives, behind it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Metric {
     /// Name, as in tables and files.
@@ -11,7 +11,7 @@ pub struct Metric {
     pub value: Option<f64>,
     /// Unit of the value; `1` for a share.
     pub unit: &'static str,
-    /// Number of cells that the metric is computed over.
+    /// Number of cells that the metric is computed over; of a metric of drives, their number.
     pub support: usize,
 }
 

@@ -91,11 +91,13 @@ mod tests {
                 ("missed_area", Some(0.01), 3),
                 ("free_known", Some(1.0 / 4.0), 4),
                 ("free_lost", Some(1.0 / 4.0), 4),
+                ("recall_50", Some(2.0 / 3.0), 3),
+                ("recall_65", Some(2.0 / 3.0), 3),
             ],
         );
     }
 
-    const NAMES: [&str; 12] = [
+    const NAMES: [&str; 14] = [
         "log_loss",
         "brier",
         "ece",
@@ -108,9 +110,11 @@ mod tests {
         "missed_area",
         "free_known",
         "free_lost",
+        "recall_50",
+        "recall_65",
     ];
 
-    fn named(values: [Option<f64>; 12], support: [usize; 12]) -> Vec<(&'static str, Option<f64>, usize)> {
+    fn named(values: [Option<f64>; 14], support: [usize; 14]) -> Vec<(&'static str, Option<f64>, usize)> {
         NAMES.iter().zip(values).zip(support).map(|((name, value), support)| (*name, value, support)).collect()
     }
 
@@ -121,15 +125,15 @@ mod tests {
         check(
             &score(&[".#.#."], &[0.0, 1.0, 0.0, 1.0, 0.0]),
             &named(
-                [certain, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0].map(Some),
-                [5, 5, 5, 5, 2, 5, 3, 2, 3, 2, 3, 3],
+                [certain, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0].map(Some),
+                [5, 5, 5, 5, 2, 5, 3, 2, 3, 2, 3, 3, 2, 2],
             ),
         );
         check(
             &score(&[".#.#."], &[1.0, 0.0, 1.0, 0.0, 1.0]),
             &named(
-                [wrong, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.03, 0.02, 0.0, 1.0].map(Some),
-                [5, 5, 5, 5, 5, 5, 2, 3, 3, 2, 3, 3],
+                [wrong, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.03, 0.02, 0.0, 1.0, 0.0, 0.0].map(Some),
+                [5, 5, 5, 5, 5, 5, 2, 3, 3, 2, 3, 3, 2, 2],
             ),
         );
     }
@@ -138,28 +142,30 @@ mod tests {
     fn the_prior_map() {
         let log_loss = -(3.0 * 0.9f64.ln() + 2.0 * 0.1f64.ln()) / 5.0;
         let mut values =
-            [log_loss, (3.0 * 0.01 + 2.0 * 0.81) / 5.0, 0.3, 0.5, 0.0, 1.0, 0.6, 0.0, 0.0, 0.02, 1.0, 0.0].map(Some);
+            [log_loss, (3.0 * 0.01 + 2.0 * 0.81) / 5.0, 0.3, 0.5, 0.0, 1.0, 0.6, 0.0, 0.0, 0.02, 1.0, 0.0, 0.0, 0.0]
+                .map(Some);
         values[7] = None; // Nothing is held occupied, so there is nothing to agree with.
-        check(&score(&[".#.#."], &[0.1; 5]), &named(values, [5, 5, 5, 5, 2, 5, 5, 0, 3, 2, 3, 3]));
+        check(&score(&[".#.#."], &[0.1; 5]), &named(values, [5, 5, 5, 5, 2, 5, 5, 0, 3, 2, 3, 3, 2, 2]));
     }
 
     #[test]
     fn all_free_all_occupied_and_one_cell() {
         let half = 2.0f64.ln();
         let free = [Some(half), Some(0.25), Some(0.5), None, None, Some(0.0), None, None, Some(0.0), None];
-        let free: Vec<_> = free.into_iter().chain([Some(0.0), Some(0.0)]).collect();
-        let free: [_; 12] = free.try_into().expect("twelve");
-        check(&score(&["..."], &[0.5; 3]), &named(free, [3, 3, 3, 3, 0, 3, 0, 0, 3, 0, 3, 3]));
-        check(&score(&["."], &[0.5]), &named(free, [1, 1, 1, 1, 0, 1, 0, 0, 1, 0, 1, 1]));
+        let free: Vec<_> = free.into_iter().chain([Some(0.0), Some(0.0), None, None]).collect();
+        let free: [_; 14] = free.try_into().expect("fourteen");
+        check(&score(&["..."], &[0.5; 3]), &named(free, [3, 3, 3, 3, 0, 3, 0, 0, 3, 0, 3, 3, 0, 0]));
+        check(&score(&["."], &[0.5]), &named(free, [1, 1, 1, 1, 0, 1, 0, 0, 1, 0, 1, 1, 0, 0]));
         let mut occupied = free;
         (occupied[4], occupied[8], occupied[9], occupied[10], occupied[11]) = (Some(0.0), None, Some(0.0), None, None);
-        check(&score(&["###"], &[0.5; 3]), &named(occupied, [3, 3, 3, 3, 3, 3, 0, 0, 0, 3, 0, 0]));
-        check(&score(&["#"], &[0.5]), &named(occupied, [1, 1, 1, 1, 1, 1, 0, 0, 0, 1, 0, 0]));
+        (occupied[12], occupied[13]) = (Some(0.0), Some(0.0));
+        check(&score(&["###"], &[0.5; 3]), &named(occupied, [3, 3, 3, 3, 3, 3, 0, 0, 0, 3, 0, 0, 3, 3]));
+        check(&score(&["#"], &[0.5]), &named(occupied, [1, 1, 1, 1, 1, 1, 0, 0, 0, 1, 0, 0, 1, 1]));
     }
 
     #[test]
     fn an_empty_region_has_no_values() {
-        check(&score(&["??"], &[0.3, 0.9]), &named([None; 12], [0; 12]));
+        check(&score(&["??"], &[0.3, 0.9]), &named([None; 14], [0; 14]));
         let truth = drawn(&[".#"]);
         let nothing = truth.map(|_| false);
         let scores = Scorer::new(&truth, &nothing).and_then(|s| s.scores(&truth.map(|_| 0.4), &nothing));
@@ -169,7 +175,8 @@ mod tests {
     #[test]
     fn thresholds_are_strict() {
         let at = score(&["..##"], &[0.2, 0.5, 0.5, 0.8]);
-        for (name, value, support) in [("decided", 0.0, 4), ("iou", 0.5, 2), ("phantom_area", 0.0, 2)] {
+        let at_thresholds = [("decided", 0.0, 4), ("iou", 0.5, 2), ("phantom_area", 0.0, 2), ("recall_50", 0.5, 2)];
+        for (name, value, support) in at_thresholds {
             assert!(at.contains(&(name, Some(value), support)), "{name}: {at:?}");
         }
     }

@@ -31,11 +31,18 @@ pub struct Scores {
     pub free_known: Metric,
     /// Share of the truly free cells with p > 0.5.
     pub free_lost: Metric,
+    /// Share of the truly occupied surface cells with p > 0.5: what a planner finds that takes the map at its word.
+    pub recall_50: Metric,
+    /// Share of the truly occupied surface cells with p > 0.65: what is left of them in a saved ROS map.
+    pub recall_65: Metric,
 }
 
 impl Scores {
+    /// Number of metrics.
+    pub const COUNT: usize = 14;
+
     /// Every metric, in the order of tables.
-    pub fn metrics(&self) -> [Metric; 12] {
+    pub fn metrics(&self) -> [Metric; Self::COUNT] {
         let s = *self;
         [
             s.log_loss,
@@ -50,6 +57,8 @@ impl Scores {
             s.missed_area,
             s.free_known,
             s.free_lost,
+            s.recall_50,
+            s.recall_65,
         ]
     }
 }

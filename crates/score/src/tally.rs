@@ -2,7 +2,7 @@
 
 use crate::judged::Judged;
 use crate::log_loss::LogLoss;
-use crate::threshold::{DECIDED_OCCUPIED, HELD_FREE, HELD_OCCUPIED};
+use crate::threshold::{DECIDED_OCCUPIED, HELD_FREE, HELD_OCCUPIED, SAVED_OCCUPIED};
 use crate::{Metric, Scores};
 
 /// Counts and sums over the judged cells, in index order.
@@ -18,11 +18,14 @@ pub(crate) struct Tally {
     held_free: usize,
     held_occupied: usize,
     decided_occupied: usize,
-    /// Truly free with p < 0.2; truly free with p > 0.5; truly occupied with p > 0.8; surface with p < 0.2.
+    /// Truly free with p < 0.2; truly free with p > 0.5; truly occupied with p > 0.8; surface with p < 0.2,
+    /// with p > 0.5 and with p > 0.65.
     free_known: usize,
     free_lost: usize,
     occupied_known: usize,
     missed: usize,
+    found: usize,
+    saved: usize,
 }
 
 impl Tally {
@@ -43,6 +46,8 @@ impl Tally {
         self.free_lost += usize::from(!occupied && held_occupied);
         self.occupied_known += usize::from(occupied && decided_occupied);
         self.missed += usize::from(occupied && surface && held_free);
+        self.found += usize::from(occupied && surface && held_occupied);
+        self.saved += usize::from(occupied && surface && p > SAVED_OCCUPIED);
     }
 
     /// Number of cells.
@@ -70,6 +75,8 @@ impl Tally {
             (&mut self.free_lost, other.free_lost),
             (&mut self.occupied_known, other.occupied_known),
             (&mut self.missed, other.missed),
+            (&mut self.found, other.found),
+            (&mut self.saved, other.saved),
         ] {
             *own += more;
         }
@@ -91,6 +98,8 @@ impl Tally {
             missed_area: Metric::area("missed_area", t.missed, t.surface, cell_area_m2),
             free_known: Metric::share("free_known", t.free_known, t.free),
             free_lost: Metric::share("free_lost", t.free_lost, t.free),
+            recall_50: Metric::share("recall_50", t.found, t.surface),
+            recall_65: Metric::share("recall_65", t.saved, t.surface),
         }
     }
 }

@@ -10,6 +10,9 @@ pub const HELD_FREE: f64 = 0.2;
 /// Above this a cell is held occupied: the map thinks an obstacle likelier than none.
 pub const HELD_OCCUPIED: f64 = 0.5;
 
+/// Above this a cell of a saved map is occupied to ROS (`occupied_thresh` of `map_server`, as its savers write it).
+pub const SAVED_OCCUPIED: f64 = 0.65;
+
 /// Above this the map has decided for an obstacle: the mirror image of [`HELD_FREE`].
 pub const DECIDED_OCCUPIED: f64 = 0.8;
 

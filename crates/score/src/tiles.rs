@@ -6,7 +6,7 @@ use rand_chacha::rand_core::{Rng as _, SeedableRng as _};
 
 use crate::judged::judged;
 use crate::tally::Tally;
-use crate::{Interval, Metric, RESAMPLES, ScoreError, Scorer};
+use crate::{Interval, Metric, RESAMPLES, ScoreError, Scorer, Scores};
 
 /// Every interval is drawn from the same stream: maps with as many tiles share their luck.
 const SEED: u64 = 1989;
@@ -98,7 +98,7 @@ impl Tiles {
     }
 
     /// Ours minus theirs of every metric, in every resample.
-    fn drawn(&self, pairs: &[(&Tally, &Tally)]) -> Vec<[Option<f64>; 12]> {
+    fn drawn(&self, pairs: &[(&Tally, &Tally)]) -> Vec<[Option<f64>; Scores::COUNT]> {
         let mut rng = ChaCha8Rng::seed_from_u64(SEED);
         let none = |name| Metric { name, value: None, unit: "1", support: 0 };
         let area = self.spec.cell_area_m2();

@@ -18,7 +18,7 @@ struct Case {
 /// Probabilities with many ties, with the thresholds themselves and with certainties among them.
 fn probability() -> impl Strategy<Value = f64> {
     prop_oneof![
-        prop::sample::select(vec![0.0, 0.1, 0.2, 0.3, 0.5, 0.8, 0.97, 1.0]),
+        prop::sample::select(vec![0.0, 0.1, 0.2, 0.3, 0.5, 0.65, 0.8, 0.97, 1.0]),
         (0u32..=40).prop_map(|i| f64::from(i) / 40.0),
         0.0f64..=1.0,
     ]
@@ -129,6 +129,8 @@ fn definitions(cells: &[Cell]) -> Vec<(&'static str, &'static str, Supported)> {
         ("missed_area", "m²", area(cells, |c| c.1 && c.2, |c| c.0 < 0.2)),
         ("free_known", "1", share(cells, free, |c| c.0 < 0.2)),
         ("free_lost", "1", share(cells, free, |c| c.0 > 0.5)),
+        ("recall_50", "1", share(cells, |c| c.1 && c.2, |c| c.0 > 0.5)),
+        ("recall_65", "1", share(cells, |c| c.1 && c.2, |c| c.0 > 0.65)),
     ]
 }
 

@@ -123,7 +123,7 @@ fn map_worlds(plan: &Plan, out: &Path, configuration: &str) -> Result<Vec<WorldS
         let world = match journal.read(job) {
             Some(world) => world,
             None => {
-                let world = job.run(plan.family(job), &plan.assumed, &plan.mappers)?;
+                let world = job.run(&plan.site(job)?, &plan.mappers)?;
                 journal.keep(&world)?;
                 world
             }

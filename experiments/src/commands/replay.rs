@@ -2,10 +2,12 @@
 
 mod extent;
 mod figure;
+mod kept_back;
 mod mapping;
 mod options;
 mod outputs;
 mod predictions;
+mod recalibrated;
 mod recording;
 mod seen;
 
@@ -18,6 +20,7 @@ use mapper::Model;
 
 use self::extent::Survey;
 use self::predictions::Predictions;
+use self::recalibrated::FOLDS;
 use self::recording::Recording;
 use crate::failure::Failure;
 use crate::jobs::interruption;
@@ -69,7 +72,8 @@ pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
         reconciliation: options.prior.reconciliation(),
         ..Model::new(grid, sensor)
     };
-    let bytes = memory::of_mapping(&setup.grid, &entries, &setup, 1) + memory::besides(&setup.grid);
+    let copies = 1 + FOLDS;
+    let bytes = memory::of_mapping(&setup.grid, &entries, &setup, copies) + memory::besides(&setup.grid);
     memory::refuse(&recording.place(), &setup.grid, bytes, TOO_LARGE)?;
     let out = options.out();
     let reads: Vec<&Path> =
@@ -79,7 +83,8 @@ pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
     let mapping = Instant::now();
     let maps = mapping::map(&recording, &survey, options.hold_out, &entries, &setup)?;
     let seconds = mapping.elapsed().as_secs_f64();
-    let predictions = Predictions::of(&recording, options.hold_out, &maps, &setup, options.spread(survey.sensor))?;
+    let predictions =
+        Predictions::of(&recording, (options.hold_out, survey.kept), &maps, &setup, options.spread(survey.sensor))?;
     outputs::tell_agreement(&recording.place(), &survey, &predictions, &setup);
     let told = outputs::Told { options, survey: &survey, setup: &setup, maps: &maps, predictions: &predictions };
     outputs::write(&mut staging, &told)?;

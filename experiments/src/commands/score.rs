@@ -3,6 +3,8 @@
 mod alignment;
 mod candidate;
 mod document;
+mod driven;
+mod drives;
 mod figures;
 mod options;
 mod outputs;
@@ -21,6 +23,7 @@ use std::path::PathBuf;
 use rayon::prelude::*;
 
 use self::candidate::{Candidate, names};
+use self::drives::Drives;
 use self::regions::Regions;
 use self::rows::Difference;
 use self::scored::{Scored, ScoredMap};
@@ -58,10 +61,16 @@ pub fn run(options: &ScoreOptions) -> Result<(), Failure> {
         .collect();
     let open = |out: &PathBuf| Staging::open(out, &outputs::purpose(&sources.iter().collect::<Vec<_>>()));
     let staging = options.out.as_ref().map(open).transpose()?;
-    let judged = candidates.into_par_iter().map(|candidate| scored(&candidate, &truth, &regions, options));
-    let maps = judged.collect::<Vec<_>>().into_iter().collect::<Result<Vec<_>, _>>()?;
+    let drives = Drives::of(&truth, options);
+    let judged = candidates.into_par_iter().map(|candidate| {
+        let mut map = scored(&candidate, &truth, &regions, options)?;
+        map.rows.extend(drives.as_ref().map_or(Ok(Vec::new()), |drives| drives.rows(&map.name, &map.map))?);
+        Ok(map)
+    });
+    let maps = judged.collect::<Vec<_>>().into_iter().collect::<Result<Vec<_>, Failure>>()?;
     warn(&maps.iter().flat_map(|map| &map.warnings).collect::<Vec<_>>());
-    let scored = Scored { differences: against_first(&maps, &truth, &regions, options)?, maps, shown: regions.shown() };
+    let differences = against_first(&maps, &truth, &regions, options)?;
+    let scored = Scored { differences, maps, shown: regions.shown(), drives };
     if let Some(mut staging) = staging {
         outputs::write(&mut staging, &scored, &truth, regions.first(), options)?;
         staging.publish()?;
@@ -124,6 +133,7 @@ fn against_first(
     for other in others {
         let pair = [(other.name.as_str(), &other.map), (first.name.as_str(), &first.map)];
         found.extend(rows::differences(pair, truth, regions, options.unknown)?);
+        found.extend(driven::differences([other, first]));
     }
     Ok(found)
 }

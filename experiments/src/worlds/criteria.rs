@@ -1,6 +1,9 @@
 //! What is compared, which way is better, and which differences do not matter.
 
 use score::Better::{self, Higher, Lower};
+use score::Region;
+
+use super::drives;
 
 /// A metric as comparisons treat it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,27 +19,46 @@ pub struct Criterion {
     /// Which way is better, and the largest difference that does not matter, in the metric's unit. None of a
     /// metric that describes a map without judging it.
     pub judged: Option<(Better, f64)>,
+    /// The one region that it is of; none of a metric of every region.
+    pub region: Option<Region>,
 }
 
-/// Every metric, in the order of [`score::Scores::metrics`], then retention.
+impl Criterion {
+    /// Whether maps have this metric in a region of the given name.
+    pub fn is_of(&self, region: &str) -> bool {
+        self.region.is_none_or(|own| own.name() == region)
+    }
+}
+
+/// Every metric, in the order of [`score::Scores::metrics`], then retention, then those of drives.
 ///
 /// The margins were set before any comparison was run: half a percent of probability for log loss,
-/// half a cell in a hundred for shares, 20 cells of 5 cm for areas.
-pub const CRITERIA: [Criterion; 13] = [
+/// half a cell in a hundred for shares, 20 cells of 5 cm for areas, two surface cells in a hundred for recall, two drives in
+/// a hundred.
+pub const CRITERIA: [Criterion; 18] = [
     judged("log_loss", "log loss", "nats/cell", 3, Lower, 0.005),
     judged("brier", "Brier", "1", 4, Lower, 0.002),
     judged("ece", "ECE", "1", 3, Lower, 0.005),
     judged("auc", "AUC", "1", 3, Higher, 0.005),
     judged("iou", "IoU", "1", 3, Higher, 0.02),
-    Criterion { metric: "decided", title: "decided", unit: "1", decimals: 3, judged: None },
+    Criterion { metric: "decided", title: "decided", unit: "1", decimals: 3, judged: None, region: None },
     judged("free_agreement", "free agreement", "1", 3, Higher, 0.005),
     judged("occupied_agreement", "occupied agreement", "1", 3, Higher, 0.02),
     judged("phantom_area", "phantom", "m²", 2, Lower, 0.05),
     judged("missed_area", "missed", "m²", 2, Lower, 0.05),
     judged("free_known", "held free", "1", 3, Higher, 0.005),
     judged("free_lost", "free lost", "1", 3, Lower, 0.005),
+    judged("recall_50", "recall > 0.5", "1", 3, Higher, 0.02),
+    judged("recall_65", "recall > 0.65", "1", 3, Higher, 0.02),
     judged("retention", "retention", "1", 3, Higher, 0.005),
+    of_drives("reached", Higher),
+    of_drives("colliding", Lower),
+    of_drives("detour", Lower),
 ];
+
+const fn of_drives(metric: &'static str, better: Better) -> Criterion {
+    Criterion { region: Some(drives::REGION), ..judged(metric, metric, "1", 3, better, 0.02) }
+}
 
 const fn judged(
     metric: &'static str,
@@ -46,7 +68,7 @@ const fn judged(
     better: Better,
     margin: f64,
 ) -> Criterion {
-    Criterion { metric, title, unit, decimals, judged: Some((better, margin)) }
+    Criterion { metric, title, unit, decimals, judged: Some((better, margin)), region: None }
 }
 
 /// The criterion of the given metric.
@@ -58,6 +80,7 @@ pub fn criterion(metric: &str) -> Option<&'static Criterion> {
 mod tests {
     use super::*;
     use grid::{GridSpec, Raster};
+    use score::navigation::{Navigation, Planning};
     use score::{Margin, Retention, Scorer};
 
     #[test]
@@ -68,8 +91,18 @@ mod tests {
         let scores = Scorer::new(&truth, &surface).and_then(|s| s.scores(&Raster::filled(spec, 0.5), &surface));
         let mut scored = scores.expect("valid").metrics().to_vec();
         scored.push(Retention::new(&truth).metric(None).expect("valid"));
+        let (map, known) = (Raster::filled(spec, 0.5), Raster::filled(spec, true));
+        let drives = Navigation::new(&truth, Planning::default()).metrics(&map, &known, |_| true);
+        scored.extend(drives.expect("valid"));
         let listed: Vec<_> = CRITERIA.iter().map(|c| (c.metric, c.unit)).collect();
         assert_eq!(listed, scored.iter().map(|m| (m.name, m.unit)).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn metrics_of_drives_are_of_the_whole_world() {
+        let of = |metric: &str| criterion(metric).expect("listed");
+        assert!(of("reached").is_of("all") && !of("reached").is_of("observable"));
+        assert!(of("brier").is_of("all") && of("brier").is_of("X"));
     }
 
     #[test]

@@ -1,16 +1,18 @@
 //! One drive, mapped by several rules from the same readings, and scored at every stage.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use grid::Raster;
 use mapper::catalogue::{Entry, Kind};
 use mapper::{Mapper, Model, Sensors};
 use rayon::prelude::*;
 use scene::{Drive, Scene, SimulatedScan, Simulation, World};
+use score::navigation::{Navigation, Planning};
 use score::{Metric, Region, Retention, Scorer, Sight, Sightings, log_loss};
 use sensor::{Scan, Stereo};
 use serde::Serialize;
 
+use super::drives::{self, DriveOptions};
 use crate::failure::Failure;
 
 /// What does not depend on the seed: the scene, the way through it, and the truth.
@@ -25,6 +27,22 @@ pub struct Ground {
     pub truth: Raster<Option<bool>>,
     /// Occupancy that the mappers expect of an unseen cell: what pictures show as not known.
     pub prior: f64,
+    /// How drives are planned on the maps ...
+    pub planning: Planning,
+    /// ... and on which of them.
+    pub driven: Driven,
+    /// The drives, drawn when the first map is scored.
+    navigation: OnceLock<Navigation>,
+}
+
+/// The maps on which drives are planned.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Driven {
+    /// Those at the end of every stage.
+    EveryStage,
+    /// Those at the end of the drive.
+    #[default]
+    Last,
 }
 
 /// What is kept of a trial besides the scores and maps of its stages.
@@ -128,7 +146,28 @@ impl Ground {
     /// A route that is blocked.
     pub fn new(scene: Scene, prior: f64) -> Result<Self, Failure> {
         let drive = scene::drive(&scene)?;
-        Ok(Self { world: World::new(&scene), truth: scene::truth(&scene), drive, scene, prior })
+        Ok(Self {
+            world: World::new(&scene),
+            truth: scene::truth(&scene),
+            drive,
+            planning: DriveOptions::default().planning(scene.robot.radius_m),
+            driven: Driven::default(),
+            navigation: OnceLock::new(),
+            scene,
+            prior,
+        })
+    }
+
+    /// Has drives planned as the options say, on these maps.
+    pub fn with_drives(self, options: &DriveOptions, driven: Driven) -> Self {
+        let planning = options.planning(self.scene.robot.radius_m);
+        Self { planning, driven, navigation: OnceLock::new(), ..self }
+    }
+
+    /// Has no drives planned: scores take less time.
+    pub fn without_drives(mut self) -> Self {
+        self.planning.pairs = 0;
+        self
     }
 
     /// The moments of a trial at which the maps were looked at.
@@ -175,6 +214,7 @@ impl Ground {
                 observable: keep.timeline.then(|| seen.mask(Region::Observable)),
                 stages: simulation.stages.iter().filter(|stage| stage.scans == i + 1).count(),
                 frame: keep.frames.contains(&(i + 1)),
+                last: i + 1 == simulation.scans.len(),
             };
             walks.par_iter_mut().enumerate().try_for_each(|(number, walk)| {
                 watch(number, walk.step(self, &now)?.as_ref());
@@ -198,19 +238,30 @@ impl Ground {
         Scan { readings, ..simulated.scan.clone() }
     }
 
-    /// Every metric over every region: those that follow from the rays, and those the scene names.
-    fn score(&self, map: &Raster<f64>, seen: &Sightings, retention: &Retention) -> Result<Vec<RegionScore>, Failure> {
+    /// Every metric over every region: those that follow from the rays, and those the scene names; and of drives.
+    fn score(&self, map: &Raster<f64>, now: &Now, retention: &Retention) -> Result<Vec<RegionScore>, Failure> {
+        let seen = now.seen;
+        let driven = self.planning.pairs > 0 && (now.last || self.driven == Driven::EveryStage);
         let scorer = Scorer::new(&self.truth, seen.surface())?;
         let by_rays = Region::ALL.iter().map(|region| (region.name().to_owned(), seen.mask(*region)));
         let by_name = self.scene.regions.iter().map(|region| (region.name.clone(), region.mask(self.truth.spec())));
         let mut scores = Vec::new();
         for (region, mask) in by_rays.chain(by_name) {
             let metrics = scorer.scores(map, &mask)?.metrics();
-            for metric in metrics.into_iter().chain([retention.metric(Some(&mask))?]) {
+            let driven = driven && region == drives::REGION.name();
+            let of_drives = if driven { self.drives(map, seen)?.to_vec() } else { Vec::new() };
+            for metric in metrics.into_iter().chain([retention.metric(Some(&mask))?]).chain(of_drives) {
                 scores.push(RegionScore { region: region.clone(), metric });
             }
         }
         Ok(scores)
+    }
+
+    /// The metrics of drives planned on a map that knows the cells that some ray reached.
+    fn drives(&self, map: &Raster<f64>, seen: &Sightings) -> Result<[Metric; 3], Failure> {
+        let navigation = self.navigation.get_or_init(|| Navigation::new(&self.truth, self.planning));
+        let known = seen.looks().map(|looks| *looks > 0);
+        Ok(drives::metrics(navigation, &self.world, map, &known)?)
     }
 }
 
@@ -231,6 +282,8 @@ struct Now<'a> {
     /// Number of stages that end with this scan.
     stages: usize,
     frame: bool,
+    /// Whether it is the last scan of the drive.
+    last: bool,
 }
 
 /// Metrics that follow from the maps after every scan.
@@ -273,7 +326,7 @@ impl Walk {
             self.retention.observe(now.seen.visible(), map)?;
         }
         for _ in 0..now.stages {
-            let mut scores = ground.score(map, now.seen, &self.retention)?;
+            let mut scores = ground.score(map, now, &self.retention)?;
             let batch_program = self.run.program.is_some() && self.kind == Kind::Batch;
             for metric in scores.iter_mut().map(|score| &mut score.metric) {
                 if fault.is_some() || batch_program && OF_EVERY_SCAN.contains(&metric.name) {

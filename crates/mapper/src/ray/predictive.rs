@@ -21,11 +21,11 @@ pub struct Predictive<'a> {
     spec: GridSpec,
     sensor: &'a dyn SensorModel,
     onset: f64,
-    ray: RayLikelihood,
+    pub(crate) ray: RayLikelihood,
 }
 
 /// What is left ahead of a ray below this does not count.
-const NOTHING: f64 = 1e-12;
+pub(crate) const NOTHING: f64 = 1e-12;
 
 impl<'a> Predictive<'a> {
     /// For maps of this grid; `onset` is the probability that a cell begins an obstacle in an unseen world,

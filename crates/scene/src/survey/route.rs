@@ -3,24 +3,28 @@
 use grid::GridSpec;
 use rayon::prelude::*;
 
-use super::distance;
 use super::space::Space;
 use crate::geometry::distance as between;
 
 /// The stops of a way through the cells of `tour`, in which the robot drives straight from each to the next.
 pub(super) fn straight(space: &Space, tour: &[usize]) -> Vec<usize> {
-    let legs: Vec<Vec<usize>> =
-        tour.par_windows(2).map(|ends| pulled(space, &distance::path(space, ends[0], ends[1]))).collect();
+    let legs: Vec<Vec<usize>> = tour.par_windows(2).map(|ends| pulled(space, &path(space, ends[0], ends[1]))).collect();
     let mut stops: Vec<usize> = tour.first().copied().into_iter().collect();
     stops.extend(legs.into_iter().flat_map(|leg| leg.into_iter().skip(1)));
     if let [only] = stops[..] {
         // One look shows all; a route needs a second place.
-        let costs = distance::all(space, only, None);
+        let costs = space.ways().costs(only, &[]);
         let farthest = space.drivable().max_by_key(|&cell| (costs[cell], std::cmp::Reverse(cell)));
-        let there = farthest.map(|cell| pulled(space, &distance::path(space, only, cell)));
+        let there = farthest.map(|cell| pulled(space, &path(space, only, cell)));
         stops.extend(there.into_iter().flatten().skip(1));
     }
     stops
+}
+
+/// A shortest way from one cell to another, both included.
+fn path(space: &Space, from: usize, to: usize) -> Vec<usize> {
+    let costs = space.ways().costs(to, &[from]);
+    space.ways().way_back(&costs, from).unwrap_or_else(|| vec![from])
 }
 
 /// A path made straight: from every stop to the farthest cell of the path to which all the way is clear.

@@ -1,21 +1,14 @@
 //! Where the robot can be: its configuration space, exactly for square cells.
 
-use grid::{GridSpec, Raster};
-
-/// Taken off the distance that legs keep, in cells, so that rounding refuses none that is just wide enough.
-const ROUNDING: f64 = 1e-6;
-
-/// Steps to neighbours, along the sides first.
-const AROUND: [[isize; 2]; 8] = [[1, 0], [0, 1], [-1, 0], [0, -1], [1, 1], [-1, 1], [-1, -1], [1, -1]];
+use grid::{GridSpec, Lattice, ROUNDING, Raster, StepCosts, clear};
 
 /// The largest connected set of cells at whose centres the robot clears everything that is not free.
 pub(crate) struct Space {
     spec: GridSpec,
     /// How many cells of a row that are not free lie before each column; `width + 1` numbers per row.
     before: Vec<u32>,
-    drivable: Vec<bool>,
-    /// The steps of [`AROUND`] that the robot can make from each cell, a bit for each.
-    moves: Vec<u8>,
+    /// The cells at whose centres the robot can stand, and the steps between them.
+    ways: Lattice,
     /// What the robot's centre keeps from cells that are not free, in cells.
     needed: f64,
 }
@@ -24,10 +17,10 @@ impl Space {
     /// The space of a robot whose centre keeps `needed_m` from cells that are not free. O(cells).
     pub(crate) fn new(cells: &Raster<Option<bool>>, needed_m: f64) -> Self {
         let spec = *cells.spec();
-        let solid: Vec<bool> = cells.values().iter().map(|&c| c != Some(false)).collect();
+        let solid = cells.map(|&c| c != Some(false));
         let needed = needed_m / spec.cell_m;
         let mut before = Vec::with_capacity((spec.width + 1) * spec.height);
-        for row in solid.chunks_exact(spec.width) {
+        for row in solid.values().chunks_exact(spec.width) {
             before.push(0);
             let mut sum = 0;
             before.extend(row.iter().map(|&s| {
@@ -35,9 +28,8 @@ impl Space {
                 sum
             }));
         }
-        let drivable = largest(&spec, &clear(&spec, &solid, needed));
-        let moves = moves(&spec, &drivable);
-        Self { spec, before, drivable, moves, needed }
+        let drivable = Raster::new(spec, largest(&spec, clear(&solid, needed_m).values()));
+        Self { spec, before, ways: Lattice::new(drivable, StepCosts::COARSE), needed }
     }
 
     pub(crate) fn spec(&self) -> &GridSpec {
@@ -46,18 +38,18 @@ impl Space {
 
     /// Whether the robot can stand at the cell's centre and reach it.
     pub(crate) fn holds(&self, cell: usize) -> bool {
-        self.drivable[cell]
+        self.ways.holds(cell)
     }
 
     /// The cells that the robot can reach.
     pub(crate) fn drivable(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.drivable.len()).filter(|&cell| self.drivable[cell])
+        self.ways.cells()
     }
 
     /// Free cells that the robot's centre reaches, or that are as few steps away as the corner of a room is: the rims
     /// and corners of the space it drives in, but not the room behind a gap too narrow for it.
     pub(crate) fn floor(&self, cells: &Raster<Option<bool>>) -> Raster<bool> {
-        let mut floor = Raster::new(self.spec, self.drivable.clone());
+        let mut floor = Raster::new(self.spec, (0..self.spec.cells()).map(|cell| self.holds(cell)).collect());
         let mut front: Vec<usize> = self.drivable().collect();
         let mut steps = 2.0 * ((self.needed + 0.5 - ROUNDING).ceil() - 1.0);
         while steps > 0.0 && !front.is_empty() {
@@ -73,15 +65,9 @@ impl Space {
         floor
     }
 
-    /// The neighbours that the robot can step to, with the cost in fifths of a cell. A step aslant needs both cells
-    /// beside it: then whatever the disc clears at the ends it clears on the way.
-    pub(crate) fn steps(&self, cell: usize) -> impl Iterator<Item = (usize, u32)> + '_ {
-        let moves = self.moves[cell];
-        let width = self.spec.width as isize;
-        AROUND.into_iter().enumerate().filter(move |(k, _)| moves >> k & 1 == 1).map(move |(_, [dx, dy])| {
-            let straight = dx == 0 || dy == 0;
-            (cell.wrapping_add_signed(dy * width + dx), if straight { 5 } else { 7 })
-        })
+    /// The steps that the robot can make between centres of cells: whatever it clears at their ends it clears on the way.
+    pub(crate) fn ways(&self) -> &Lattice {
+        &self.ways
     }
 
     /// Whether the robot can drive straight from the centre of one cell to that of another.
@@ -141,71 +127,6 @@ fn across(a: [f64; 2], b: [f64; 2], reach: f64, y: f64) -> [f64; 2] {
         }
     }
     span
-}
-
-/// The cells whose centres keep `needed` (in cells) from every solid cell and from the border: the distance
-/// to solid cells along each column first, then every row as a union of intervals.
-fn clear(spec: &GridSpec, solid: &[bool], needed: f64) -> Vec<bool> {
-    let GridSpec { width, height, .. } = *spec;
-    let mut steps = vec![0u32; solid.len()];
-    for column in 0..width {
-        let mut nearest = 0;
-        for row in 0..height {
-            let cell = spec.index(column, row);
-            nearest = if solid[cell] { 0 } else { nearest + 1 };
-            steps[cell] = nearest;
-        }
-        nearest = 0;
-        for row in (0..height).rev() {
-            let cell = spec.index(column, row);
-            nearest = if solid[cell] { 0 } else { nearest + 1 };
-            steps[cell] = steps[cell].min(nearest);
-        }
-    }
-    // How many columns away a square is too near, where it is `gap` above or below.
-    let reach = |steps: u32| {
-        let gap = (f64::from(steps) - 0.5).max(0.0);
-        (gap < needed).then(|| ((0.5 + (needed * needed - gap * gap).sqrt() - ROUNDING).ceil() - 1.0) as usize)
-    };
-    let beside = reach(0).unwrap_or(0);
-    let mut clear = vec![false; solid.len()];
-    let mut change = vec![0i64; width + 1];
-    for (steps, clear) in steps.chunks_exact(width).zip(clear.chunks_exact_mut(width)) {
-        change.fill(0);
-        let mut block = |from: usize, to: usize| {
-            change[from.min(width)] += 1;
-            change[to.min(width)] -= 1;
-        };
-        block(0, beside);
-        block(width.saturating_sub(beside), width);
-        for (column, &steps) in steps.iter().enumerate() {
-            if let Some(reach) = reach(steps) {
-                block(column.saturating_sub(reach), (column + 1).saturating_add(reach));
-            }
-        }
-        let mut over = 0;
-        for (clear, change) in clear.iter_mut().zip(&change) {
-            over += change;
-            *clear = over == 0;
-        }
-    }
-    clear
-}
-
-/// Which steps of [`AROUND`] lead from each cell to another one of the set; aslant only between two others.
-fn moves(spec: &GridSpec, set: &[bool]) -> Vec<u8> {
-    let held = |column: usize, row: usize, [dx, dy]: [isize; 2]| {
-        let (c, r) = (column.checked_add_signed(dx)?, row.checked_add_signed(dy)?);
-        (c < spec.width && r < spec.height && set[spec.index(c, r)]).then_some(())
-    };
-    let step = |cell: usize, [dx, dy]: [isize; 2]| {
-        let (column, row) = spec.column_row(cell);
-        held(column, row, [dx, dy])?;
-        held(column, row, [dx, 0])?;
-        held(column, row, [0, dy])
-    };
-    let bits = |cell| (0..AROUND.len()).filter(|&k| step(cell, AROUND[k]).is_some()).fold(0, |bits, k| bits | 1 << k);
-    (0..set.len()).map(|cell| if set[cell] { bits(cell) } else { 0 }).collect()
 }
 
 /// The largest set of cells that are joined by their sides; of equals the one with the lowest cell.

@@ -222,7 +222,7 @@ proptest! {
     fn steps_are_clear(cells in random_maps(), needed in 0.05f64..3.0) {
         let space = Space::new(&cells, needed * cells.spec().cell_m);
         for cell in space.drivable() {
-            for (to, _) in space.steps(cell) {
+            for (to, _) in space.ways().steps(cell) {
                 prop_assert!(space.leg(cell, to), "{} {}", cell, to);
             }
         }

@@ -4,7 +4,6 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::distance;
 use super::plan::{Progress, Watch};
 use super::space::Space;
 
@@ -19,7 +18,7 @@ pub(super) fn order(space: &Space, viewpoints: Vec<usize>, fixed: bool, progress
         .map(|&from| {
             let done = found.fetch_add(1, Ordering::Relaxed);
             progress(Progress { step: "finding ways", done, of: viewpoints.len() });
-            let costs = distance::all(space, from, None);
+            let costs = space.ways().costs(from, &[]);
             viewpoints.iter().map(|&to| costs[to]).collect()
         })
         .collect();

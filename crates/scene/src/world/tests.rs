@@ -1,11 +1,6 @@
 use super::*;
-use crate::Origin;
 use crate::geometry::distance;
 use proptest::prelude::*;
-
-fn obstacle(shape: Shape) -> Obstacle {
-    Obstacle { shape, texture: 1.0, origin: Origin { kind: "box", number: 1, line: 1 } }
-}
 
 fn upright(min: [f64; 2], max: [f64; 2]) -> Shape {
     let center_m = [0.5 * (min[0] + max[0]), 0.5 * (min[1] + max[1])];
@@ -23,7 +18,7 @@ fn ell([x, y]: [f64; 2]) -> Shape {
 }
 
 fn world(shapes: Vec<Shape>) -> World {
-    World::of(&shapes.into_iter().map(obstacle).collect::<Vec<_>>())
+    World::of(shapes)
 }
 
 fn unit(angle: f64) -> [f64; 2] {

@@ -18,6 +18,7 @@ use crate::output::args::{Format, ThreadsOption};
 use crate::output::ledger::RECORD;
 use crate::page::{self, Folder};
 use crate::programs::options::{ProgramOptions, ProgramRecord};
+use crate::worlds::drives::DriveOptions;
 
 /// What the page of a comparison needs of its record.
 #[derive(Deserialize)]
@@ -36,6 +37,8 @@ struct Configuration {
     programs: Vec<ProgramRecord>,
     prior: Prior,
     reconciliation: String,
+    #[serde(default)]
+    drives: DriveOptions,
     repeats: Vec<usize>,
     repeated_scans: usize,
 }
@@ -82,6 +85,7 @@ fn plan(folder: &Folder, made: Configuration) -> Result<Plan, Failure> {
         programs: ProgramOptions::recorded(&made.programs)?,
         quick: false,
         prior,
+        drives: made.drives,
         out: None,
         format: Format::Text,
         threads: ThreadsOption::default(),

@@ -86,7 +86,7 @@ fn table(
     };
     let mut rows = Vec::new();
     for rival in rivals {
-        for (number, criterion) in CRITERIA.iter().enumerate() {
+        for (number, criterion) in CRITERIA.iter().enumerate().filter(|(_, criterion)| criterion.is_of(region)) {
             let (theirs, ours) = (values(rival, number), values(reference, number));
             let pairs: Vec<(f64, f64)> = theirs.iter().zip(&ours).filter_map(|(t, o)| Some(((*t)?, (*o)?))).collect();
             let mean = |of: fn(&(f64, f64)) -> f64| {
@@ -108,7 +108,8 @@ fn table(
     }
     let p =
         |row: &Judgement| row.comparison.as_ref().filter(|_| row.criterion.judged.is_some()).map(|c| c.signed_rank.p);
-    let adjusted = holm_table(&rows.chunks(CRITERIA.len()).map(|row| row.iter().map(p).collect()).collect::<Vec<_>>())?;
+    let metrics = CRITERIA.iter().filter(|criterion| criterion.is_of(region)).count();
+    let adjusted = holm_table(&rows.chunks(metrics).map(|row| row.iter().map(p).collect()).collect::<Vec<_>>())?;
     for (row, adjusted) in rows.iter_mut().zip(adjusted.into_iter().flatten()) {
         row.adjusted_p = adjusted;
         row.verdict = match (row.criterion.judged, &row.comparison, adjusted) {
@@ -188,10 +189,13 @@ mod tests {
         let loss = find(&judged, "all", "observable", "rival", "log_loss").expect("there");
         let comparison = loss.comparison.as_ref().expect("thirty pairs");
         assert!((comparison.mean_difference - (0.1 + 0.0145)).abs() < 1e-12);
+        assert!(find(&judged, "all", "observable", "rival", "reached").is_none(), "drives are of the whole world");
+        let of_drives = find(&judged, "all", "all", "rival", "reached").and_then(|j| j.adjusted_p).expect("adjusted");
+        assert!((of_drives / comparison.signed_rank.p - 17.0).abs() < 1e-9, "{of_drives}");
         assert!((loss.mean.expect("a mean") - loss.reference_mean.expect("a mean") - 0.1145).abs() < 1e-12);
-        // Twelve tests of equal p in the table: each is multiplied by twelve.
+        // Fourteen tests of equal p in the table: each is multiplied by fourteen.
         let adjusted = loss.adjusted_p.expect("adjusted");
-        assert!((adjusted / comparison.signed_rank.p - 12.0).abs() < 1e-9, "{adjusted}");
+        assert!((adjusted / comparison.signed_rank.p - 14.0).abs() < 1e-9, "{adjusted}");
     }
 
     #[test]

@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 
 use crate::output::args::{Format, PriorOptions, ThreadsOption, count, trimmed, trimmed_path};
 use crate::programs::options::ProgramOptions;
+use crate::worlds::drives::DriveOptions;
 use crate::worlds::scenes::FAMILIES;
 
 /// Options of `compare`.
@@ -41,6 +42,9 @@ pub struct CompareOptions {
     /// What the mappers assume before the first reading
     #[command(flatten)]
     pub prior: PriorOptions,
+    /// Drives that are planned on every map
+    #[command(flatten)]
+    pub drives: DriveOptions,
     /// Folder for tables, pictures and report, written whole or not at all [default: results/compare and the set's name]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

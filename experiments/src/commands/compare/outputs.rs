@@ -17,6 +17,7 @@ use crate::output::table::Table;
 use crate::page::{self, Viewer};
 use crate::programs::options::ProgramRecord;
 use crate::worlds::claims::Claim;
+use crate::worlds::drives::DriveOptions;
 
 /// What the record of a comparison holds.
 #[derive(Debug, Serialize)]
@@ -38,6 +39,7 @@ struct Configuration {
     reference: &'static str,
     prior: Prior,
     reconciliation: Reconciliation,
+    drives: DriveOptions,
     repeats: Vec<usize>,
     repeated_scans: usize,
 }
@@ -55,6 +57,7 @@ pub fn record(plan: &Plan) -> Record<Parts> {
         reference: REFERENCE,
         prior: plan.assumed.prior,
         reconciliation: plan.assumed.reconciliation,
+        drives: plan.drives,
         repeats: plan.repeats.clone(),
         repeated_scans: plan.repeated_scans,
     };

@@ -11,9 +11,11 @@ use super::world::WorldJob;
 use crate::failure::Failure;
 use crate::programs::options::ProgramRecord;
 use crate::worlds::condition::{AS_BELIEVED, Condition, DEPARTURES};
+use crate::worlds::drives::DriveOptions;
 use crate::worlds::mappers::{entries, own};
+use crate::worlds::run::Driven;
 use crate::worlds::scenes::families;
-use crate::worlds::site::{Assumptions, WorldId};
+use crate::worlds::site::{Assumptions, Site, WorldId};
 
 /// The mapper that all are compared with.
 pub const REFERENCE: &str = "visibility";
@@ -39,6 +41,8 @@ pub struct Plan {
     pub programs: Vec<ProgramRecord>,
     /// What they assume.
     pub assumed: Assumptions,
+    /// The drives that are planned on their maps.
+    pub drives: DriveOptions,
     /// How often a scan is repeated, rising; nothing is where nothing is to be repeated.
     pub repeats: Vec<usize>,
     /// Scans of each repeated world.
@@ -92,6 +96,7 @@ impl Plan {
             mappers,
             programs: options.programs.record(),
             assumed: Assumptions::of(&options.prior),
+            drives: options.drives,
             repeats,
             repeated_scans,
         })
@@ -128,6 +133,15 @@ impl Plan {
     pub fn family(&self, job: &WorldJob) -> &Family {
         let family = self.families.iter().find(|family| family.name == job.world.family);
         family.unwrap_or_else(|| panic!("no family is called {}", job.world.family))
+    }
+
+    /// The world of a job of this plan, ready to be mapped.
+    ///
+    /// # Errors
+    /// As [`Site::of_family`].
+    pub fn site(&self, job: &WorldJob) -> Result<Site, Failure> {
+        let Site { ground, setup } = Site::of_family(self.family(job), &job.world, &self.assumed)?;
+        Ok(Site { ground: ground.with_drives(&self.drives, Driven::Last), setup })
     }
 
     /// Names of the mappers.

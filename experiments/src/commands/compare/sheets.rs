@@ -16,6 +16,9 @@ pub const ALL: &str = "all";
 /// The metrics of the table of means.
 const SHOWN: [&str; 7] = ["log_loss", "brier", "ece", "iou", "retention", "phantom_area", "missed_area"];
 
+/// The metrics of the table of drives, beside which recall says what a threshold finds.
+const DRIVEN: [&str; 5] = ["reached", "colliding", "detour", "recall_50", "recall_65"];
+
 /// Variants that take one idea away, or add one, and which.
 const ABLATIONS: [(&str, &str); 9] = [
     ("no-occlusion", "occlusion off: each cell's own likelihoods on the chain"),
@@ -111,6 +114,35 @@ pub fn parts(rows: &Rows, mappers: &[&str], parts: &[&str], metric: &str, width:
         note: String::new(),
         heads: ["mapper"].into_iter().chain(parts.iter().copied()).map(str::to_owned).collect(),
         rows: rivals.map(row).collect(),
+    }
+}
+
+/// Which map may I drive on: a mean per mapper and metric of drives, and how sure it differs from the reference.
+pub fn drives(rows: &Rows, mappers: &[&str], width: Width) -> Sheet {
+    let metrics: Vec<&Criterion> = DRIVEN.iter().filter_map(|metric| criterion(metric)).collect();
+    let cell = |mapper: &str, c: &Criterion| {
+        let region = c.region.map_or(OBSERVABLE, Region::name);
+        let mean =
+            rows.mean(ALL, region, mapper, c.metric).map_or_else(|| "-".to_owned(), |m| format!("{m:.*}", c.decimals));
+        match rows.difference(ALL, region, mapper, c.metric) {
+            Some(d) if width == Width::Page => {
+                Cell { text: format!("{mean} ({})", interval(d, c.decimals)), tone: tone(d) }
+            }
+            Some(d) => Cell { text: mean, tone: tone(d) },
+            None => mean.into(),
+        }
+    };
+    let row =
+        |mapper: &&str| [Cell::from(*mapper)].into_iter().chain(metrics.iter().map(|c| cell(mapper, c))).collect();
+    let note = match width {
+        Width::Terminal => "",
+        Width::Page => "in brackets the difference from visibility with its interval",
+    };
+    Sheet {
+        caption: "Drives planned on the maps, all worlds; recall of surfaces that rays hit".to_owned(),
+        note: note.to_owned(),
+        heads: ["mapper"].into_iter().chain(metrics.iter().map(|c| c.title)).map(str::to_owned).collect(),
+        rows: mappers.iter().map(row).collect(),
     }
 }
 

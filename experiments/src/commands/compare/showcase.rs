@@ -29,7 +29,7 @@ const SHOWN: [&str; 3] = ["match-0.6", "sigma-2", "clusters"];
 /// As [`Site::of_family`]; a mapper that gives something else than probabilities.
 pub fn look(plan: &Plan) -> Result<(Viewer, Vec<WorldScores>), Failure> {
     let shown = engine::each(&jobs(plan), rayon::current_num_threads(), |job| {
-        let Site { ground, setup } = Site::of_family(plan.family(job), &job.world, &plan.assumed)?;
+        let Site { ground, setup } = plan.site(job)?;
         let frames = page::moments(&ground, page::FRAMES);
         let keep = Keep { timeline: false, frames: frames.clone() };
         let trial = ground.trial(job.world.seed, &job.mappers(&plan.mappers), &setup, &keep, &|_, _| {})?;

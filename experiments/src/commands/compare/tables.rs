@@ -50,7 +50,8 @@ pub fn summary(worlds: &[WorldScores], scopes: &[Scope], mappers: &[&str]) -> Ta
     let mut rows = Vec::new();
     for (scope, region) in scopes.iter().flat_map(|scope| Region::ALL.map(|region| (scope, region.name()))) {
         for mapper in mappers {
-            rows.extend(CRITERIA.iter().enumerate().map(|(number, criterion)| {
+            let criteria = CRITERIA.iter().enumerate().filter(|(_, criterion)| criterion.is_of(region));
+            rows.extend(criteria.map(|(number, criterion)| {
                 let summary = over_worlds(worlds, scope, mapper, region, number);
                 Spread { scope: &scope.name, region, mapper, criterion, summary }
             }));

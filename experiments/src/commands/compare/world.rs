@@ -2,7 +2,6 @@
 
 use grid::Raster;
 use mapper::catalogue::{Entry, Kind};
-use scene::Family;
 use score::{
     ErrorProfile, LOOK_EDGES, PROBABILITY_EDGES, ProbabilityBin, RANGE_EDGES_M, Region, error_profile, probability_bins,
 };
@@ -11,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::failure::Failure;
 use crate::worlds::criteria::CRITERIA;
 use crate::worlds::run::{Ground, Keep, Run, Trial};
-use crate::worlds::site::{Assumptions, Site, WorldId};
+use crate::worlds::site::{Site, WorldId};
 
 /// A world to map and score.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -91,19 +90,14 @@ impl WorldJob {
         mappers.iter().copied().filter(|entry| self.batch || entry.kind != Kind::Batch).collect()
     }
 
-    /// Maps and scores the world.
+    /// Maps and scores the world, which is built.
     ///
     /// # Errors
-    /// As [`Site::of_family`]; a mapper that gives something else than probabilities.
-    pub fn run(
-        &self,
-        family: &Family,
-        assumed: &Assumptions,
-        mappers: &[&'static Entry],
-    ) -> Result<WorldScores, Failure> {
-        let Site { ground, setup } = Site::of_family(family, &self.world, assumed)?;
-        let trial = ground.trial(self.world.seed, &self.mappers(mappers), &setup, &Keep::default(), &|_, _| {})?;
-        self.score(&ground, &trial)
+    /// A mapper that gives something else than probabilities.
+    pub fn run(&self, site: &Site, mappers: &[&'static Entry]) -> Result<WorldScores, Failure> {
+        let Site { ground, setup } = site;
+        let trial = ground.trial(self.world.seed, &self.mappers(mappers), setup, &Keep::default(), &|_, _| {})?;
+        self.score(ground, &trial)
     }
 
     /// The scores of a finished trial.

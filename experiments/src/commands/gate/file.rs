@@ -175,7 +175,12 @@ fn gate(table: &Table, known: &[Entry], sites: &mut BTreeMap<String, GateSource>
     let criterion = criterion(metric).unwrap_or(&CRITERIA[0]); // found: it is one of them
     let (worlds, regions) = worlds(table, sites)?;
     let regions: Vec<&str> = regions.iter().map(String::as_str).collect();
-    let region = one_of(table, "region", &regions, Some(Region::Observable.name()))?;
+    let usual = criterion.region.unwrap_or(Region::Observable).name();
+    let region = one_of(table, "region", &regions, Some(usual))?;
+    if !criterion.is_of(region) {
+        let bound = format!("left out or {usual:?} with {metric}, which is of the whole world");
+        return Err(refuse(table, "region", &bound, "leave it out").into());
+    }
     let demand = demand(table, &mappers, mapper, criterion)?;
     let paired = matches!(demand, Demand::NotWorseThanBaselineBy(_) | Demand::BetterThan { .. });
     if paired && worlds.len() < FEWEST_PAIRS {

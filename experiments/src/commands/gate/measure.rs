@@ -11,6 +11,7 @@ use crate::failure::{Failure, panic_text};
 use crate::jobs::engine;
 use crate::jobs::progress::Count;
 use crate::output::table::rounded;
+use crate::worlds::criteria::criterion;
 use crate::worlds::run::{Ground, Keep};
 use crate::worlds::site::{Site, WorldId};
 
@@ -90,6 +91,8 @@ pub fn measure(gates: &Gates, known: &[Entry], stream: u32, threads: usize) -> R
         let source = gates.sites.get(&world.family);
         let source = source.ok_or_else(|| Failure::Internal(format!("there is no family {:?}", world.family)))?;
         let Site { ground, setup } = source.site(world)?;
+        let drives = wanted.values().flatten().any(|(metric, _)| criterion(metric).is_some_and(|c| c.region.is_some()));
+        let ground = if drives { ground } else { ground.without_drives() };
         let mut part = Measured::default();
         for (mapper, wanted) in wanted {
             let entry = known.iter().find(|entry| entry.name == mapper);

@@ -9,15 +9,13 @@ use rayon::prelude::*;
 use sensor::Scan;
 
 use super::extent::Survey;
+use super::kept_back::{self, BATCH};
 use super::recording::{self, Recording};
 use super::seen::{Reach, Seen};
 use crate::failure::Failure;
 use crate::jobs::progress::Count;
 use crate::output::note;
 use crate::worlds::faults;
-
-/// Scans that are read before the mappers take them, each on a thread.
-pub(super) const BATCH: usize = 64;
 
 /// What mappers made of the scans that were not kept back.
 pub(super) struct Maps {
@@ -34,11 +32,6 @@ pub(super) struct Map {
     pub(super) occupancy: Raster<f64>,
     /// Its joint probabilities, if it holds any.
     pub(super) pairs: Option<PairwiseGrid>,
-}
-
-/// Whether a scan is kept back: the last of every so many.
-pub(super) fn is_kept_back(number: u64, hold_out: u64) -> bool {
-    (number + 1).is_multiple_of(hold_out)
 }
 
 /// Maps the scans that are not kept back.
@@ -67,7 +60,7 @@ pub(super) fn map(
     for (number, scan) in (0..).zip(recording.scans()?) {
         let scan = scan.map_err(recording::refused)?;
         progress.step();
-        if !is_kept_back(number, hold_out) {
+        if !kept_back::is_one(number, hold_out) {
             batch.push(scan);
             if batch.len() == BATCH {
                 take(&mut batch, &mut mappers);

@@ -234,8 +234,10 @@ taken for what is said.
 
 The score is the mean of -ln P(reading | map) over the readings of scans kept back: nats per reading, lower is better. One \
 model predicts for all maps: the likelihood of the reading over the first occupied cell on its ray under the map's own \
-probabilities; a row NAME-chain is the same with the joint probabilities of neighbours, for maps that hold them. Intervals \
-are 95 % by a bootstrap of blocks of scans that follow each other.";
+probabilities; a row NAME-chain is the same with the joint probabilities of neighbours, for maps that hold them. Recalibrated \
+scores are of maps whose log odds were multiplied by a slope and moved by a shift that were fitted to scans neither mapped nor \
+scored, so that neither clamps nor overconfidence decide. Intervals are 95 % by a bootstrap of blocks of scans that follow each \
+other.";
 
 #[cfg(test)]
 mod tests {

@@ -71,7 +71,10 @@ pub(super) fn write(staging: &mut Staging, told: &Told) -> Result<(), Failure> {
                 PREDICTS,
                 vec![
                     Part::Sheet(Sheet::of("Loss of every map, nats per reading; lower is better", &scores)),
-                    Part::Sheet(Sheet::of("Differences from the baseline; above 0 is worse", &differences)),
+                    Part::Sheet(Sheet::of(
+                        "Differences from the baseline; above 0 is worse, recalibrated ones first",
+                        &differences,
+                    )),
                 ],
             ),
             section("What is in the log", "", vec![Part::Sheet(Sheet::of("Counts", &counts(told)))]),
@@ -94,7 +97,10 @@ const LEAD: &str = "What a robot recorded, mapped by several rules from the same
      predicts readings that it has not seen.";
 const MAPS: &str = "NAME.yaml and NAME.pgm are for map_server and Nav2, NAME.npy has the probabilities.";
 const PREDICTS: &str = "The score is the mean of -ln P(reading | map). One model predicts for all maps: the likelihood of the reading over \
-    the first occupied cell on its ray, under the map's own probabilities; a row NAME-chain is the same with the joint probabilities of \
+    the first occupied cell on its ray, under the map's own probabilities. Columns and rows that are called recalibrated are of maps whose seen \
+    cells had their log odds multiplied by a slope and moved by a shift (Cox 1958), fitted to scans that are neither mapped nor scored: the scans \
+    kept back are parted in two, and each part is scored with what the other was fitted to. Clamps and overconfidence then do not decide, \
+    and the order of cells does. Plain scores are of the maps as they are; a row NAME-chain is plain, with the joint probabilities of \
     neighbours. Intervals are 95 % by a bootstrap of blocks of scans that follow each other.";
 
 fn name(options: &ReplayOptions) -> String {
@@ -260,25 +266,55 @@ pub(super) fn text(told: &Told) -> String {
             "many echoes have exactly {longest_m} m: if that is the scanner's code for none, give --max-range {longest_m}"
         );
     }
-    let baseline = &predictions.rows[predictions.baseline].name;
-    let ends = |interval: score::Interval| format!("{:.3} .. {:.3}", interval.low, interval.high);
-    let loss = |row: &Prediction| vec![row.name.clone(), format!("{:.3}", row.loss.mean), ends(row.loss.interval)];
-    let difference = |row: &Prediction| {
-        let SeriesMean { mean, interval } = row.difference;
-        vec![row.name.clone(), format!("{mean:+.3}"), ends(interval), row.verdict().to_owned()]
-    };
     text.push('\n');
-    let heads = ["mapper", "nats/reading", "95 % interval"];
-    text += &table::aligned(&heads, &predictions.rows.iter().map(loss).collect::<Vec<_>>());
-    if predictions.rows.len() > 1 {
-        text.push('\n');
+    text += &scores(predictions);
+    text
+}
+
+/// The scores as the terminal shows them.
+fn scores(predictions: &Predictions) -> String {
+    let baseline = &predictions.rows[predictions.baseline].name;
+    let mean = |loss: SeriesMean| [format!("{:.3}", loss.mean), ends(loss.interval)];
+    let is_fair = predictions.rows.iter().any(|row| row.fair.is_some());
+    let loss = |row: &Prediction| {
+        let fair = row.fair.as_ref().map_or_else(Default::default, |fair| mean(fair.loss.mean));
+        let fair = fair.into_iter().filter(|_| is_fair);
+        [row.name.clone()].into_iter().chain(fair).chain(mean(row.plain.mean)).collect::<Vec<_>>()
+    };
+    let heads: &[&str] = match is_fair {
+        true => &["mapper", "recalibrated", "95 % interval", "plain", "95 % interval"],
+        false => &["mapper", "nats/reading", "95 % interval"],
+    };
+    let mut text = table::aligned(heads, &predictions.rows.iter().map(loss).collect::<Vec<_>>());
+    let difference = |row: &Prediction| {
+        let loss = match &row.fair {
+            Some(fair) => &fair.loss,
+            None if is_fair => return None,
+            None => &row.plain,
+        };
+        let SeriesMean { mean, interval } = loss.difference;
+        Some(vec![row.name.clone(), format!("{mean:+.3}"), ends(interval), loss.verdict().to_owned()])
+    };
+    let differences: Vec<_> = predictions.others().filter_map(difference).collect();
+    if !differences.is_empty() {
         let heads = ["mapper", &format!("minus {baseline}"), "95 % interval", ""];
-        text += &table::aligned(&heads, &predictions.others().map(difference).collect::<Vec<_>>());
+        text += &format!("\n{}", table::aligned(&heads, &differences));
     }
     let _ = write!(
         text,
-        "\n{} readings of {} scans kept back. Nats per reading: the mean of\n-ln P(reading | map); lower is better. NAME-chain: with the joint probabilities\nof neighbours.\n",
-        predictions.readings, predictions.scans
+        "\n{} readings of {} scans kept back. Nats per reading: the mean of\n-ln P(reading | map); lower is better.{}\n",
+        predictions.readings,
+        predictions.scans,
+        if is_fair { RECALIBRATED } else { FEW }
     );
     text
+}
+
+const RECALIBRATED: &str = "\nRecalibrated: log odds times a slope plus a shift, fitted to scans that are\n\
+    neither mapped nor scored, so that clamps do not decide; the differences are of\n\
+    this. Plain: the map as it is. NAME-chain: with the joint probabilities of\nneighbours.";
+const FEW: &str = "\nScans are too few to recalibrate maps: that takes two with readings, kept back.";
+
+fn ends(interval: score::Interval) -> String {
+    format!("{:.3} .. {:.3}", interval.low, interval.high)
 }

@@ -1,13 +1,14 @@
 //! How well maps predict the scans that were kept back.
 
-use mapper::{Belief, Model, Predictive};
-use rayon::prelude::*;
+use mapper::{Belief, Model, Predictive, Recalibration};
 use score::{SeriesMean, series_mean};
 use sensor::Scan;
 use serde_json::json;
 
-use super::mapping::{BATCH, Map, Maps, is_kept_back};
-use super::recording::{self, Recording};
+use super::kept_back;
+use super::mapping::{Map, Maps};
+use super::recalibrated::{FOLDS, Recalibrated};
+use super::recording::Recording;
 use crate::failure::Failure;
 use crate::output::table::{Table, optional, rounded};
 use crate::worlds::agreement::{Agreement, Spread};
@@ -37,6 +38,8 @@ pub(super) struct Judged {
 struct Told {
     /// `-ln P` of its readings under every belief.
     losses: Vec<f64>,
+    /// The same of every map after recalibration, if there is one.
+    fair: Vec<f64>,
     /// How many were predicted.
     readings: u64,
     /// How far they agree with every map.
@@ -46,17 +49,31 @@ struct Told {
 /// The score of one map under one belief.
 pub(super) struct Prediction {
     pub(super) name: String,
-    /// `-ln P(reading | map)`, nats per reading.
-    pub(super) loss: SeriesMean,
+    /// As the map is.
+    pub(super) plain: Loss,
+    /// After recalibration; none of a row by the joint probabilities, and where scans are too few to fit one.
+    pub(super) fair: Option<Fair>,
+}
+
+/// `-ln P(reading | map)`, nats per reading.
+pub(super) struct Loss {
+    pub(super) mean: SeriesMean,
     /// How much more than that of the baseline.
     pub(super) difference: SeriesMean,
 }
 
+/// The score of a map after recalibration.
+pub(super) struct Fair {
+    pub(super) loss: Loss,
+    /// What the map was recalibrated by, for each part of the scans.
+    pub(super) by: [Recalibration; FOLDS],
+}
+
 impl Predictions {
-    /// Predicts every reading of the scans kept back by every map.
+    /// Predicts every reading of the scans kept back by every map, of a log with so many scans, every so-many-th of them kept back.
     pub(super) fn of(
         recording: &Recording,
-        hold_out: u64,
+        (hold_out, scans): (u64, u64),
         maps: &Maps,
         setup: &Model,
         spread: Spread,
@@ -71,43 +88,47 @@ impl Predictions {
             })
             .collect();
         let onset = setup.prior.onset(setup.grid.cell_m);
-        let told = |scan: &Scan| {
+        let recalibrated = Recalibrated::of(recording, (hold_out, scans), maps, setup)?;
+        let told = |number: usize, scan: &Scan| {
             let sensor = &**setup.sensors.of(scan);
             let mut predictive = Predictive::new(setup.grid, sensor, onset);
-            let (mut sums, mut readings) = (vec![0.0; beliefs.len()], 0);
+            let after = recalibrated.as_ref().map_or(&[][..], |recalibrated| recalibrated.maps_for(number));
+            let (mut losses, mut fair, mut readings) = (vec![0.0; beliefs.len()], vec![0.0; after.len()], 0);
             for ray in scan.rays() {
                 if predictive.take(&ray) {
                     readings += 1;
-                    sums.iter_mut().zip(&beliefs).for_each(|(sum, (_, belief))| *sum += predictive.log_loss(*belief));
+                    losses.iter_mut().zip(&beliefs).for_each(|(sum, (_, belief))| *sum += predictive.log_loss(*belief));
+                    fair.iter_mut().zip(after).for_each(|(sum, map)| *sum += predictive.log_loss(Belief::Cells(map)));
                 }
             }
             let agreement = |map: &Map| Agreement::of(scan, &map.occupancy, &maps.seen, sensor, spread);
-            Told { losses: sums, readings, agreements: maps.maps.iter().map(agreement).collect() }
+            Told { losses, fair, readings, agreements: maps.maps.iter().map(agreement).collect() }
         };
-        let mut scans: Vec<Told> = Vec::new();
-        let mut batch = Vec::with_capacity(BATCH);
-        for (number, scan) in (0..).zip(recording.scans()?) {
-            let scan = scan.map_err(recording::refused)?;
-            if is_kept_back(number, hold_out) {
-                batch.push(scan);
-                if batch.len() == BATCH {
-                    scans.par_extend(batch.par_drain(..).map(|scan| told(&scan)));
-                }
-            }
-        }
-        scans.par_extend(batch.par_drain(..).map(|scan| told(&scan)));
-        let baseline = beliefs.iter().position(|(name, _)| name == "visibility").unwrap_or(0);
-        let series = |of: &dyn Fn(&[f64]) -> f64| {
-            let series: Vec<(f64, u64)> = scans.iter().map(|scan| (of(&scan.losses), scan.readings)).collect();
+        let scans = kept_back::each(recording, hold_out, &told)?;
+        let series = |of: &dyn Fn(&Told) -> f64| {
+            let series: Vec<(f64, u64)> = scans.iter().map(|scan| (of(scan), scan.readings)).collect();
             series_mean(&series).map_err(|_| {
                 let place = recording.place();
                 let what = "no reading of the scans kept back lies on the map; keep more back (--hold-out) or use more of the log";
                 Failure::BadInput(format!("{place}: {what}"))
             })
         };
+        let loss = |of: &dyn Fn(&Told) -> f64, baseline: &dyn Fn(&Told) -> f64| {
+            Ok::<_, Failure>(Loss { mean: series(of)?, difference: series(&|scan| of(scan) - baseline(scan))? })
+        };
+        let baseline = beliefs.iter().position(|(name, _)| name == "visibility").unwrap_or(0);
+        let place = |name: &str| maps.maps.iter().position(|map| map.mapper == name);
+        let compared = place(&beliefs[baseline].0).unwrap_or(0);
         let row = |(k, (name, _)): (usize, &(String, Belief))| {
-            let (loss, difference) = (series(&|sums| sums[k])?, series(&|sums| sums[k] - sums[baseline])?);
-            Ok(Prediction { name: name.clone(), loss, difference })
+            let fair = match recalibrated.as_ref().zip(place(name)) {
+                Some((recalibrated, map)) => Some(Fair {
+                    loss: loss(&|scan| scan.fair[map], &|scan| scan.fair[compared])?,
+                    by: recalibrated.of_map(map),
+                }),
+                None => None,
+            };
+            let plain = loss(&|scan| scan.losses[k], &|scan| scan.losses[baseline])?;
+            Ok(Prediction { name: name.clone(), plain, fair })
         };
         let rows: Vec<Prediction> = beliefs.iter().enumerate().map(row).collect::<Result<_, Failure>>()?;
         let readings = scans.iter().map(|scan| scan.readings).sum();
@@ -121,33 +142,47 @@ impl Predictions {
 
     /// As `replay` prints them; where programs gave no map, with a row and the error for each.
     pub(super) fn table(&self) -> Table {
-        let scored = self.rows.iter().map(|row| (row.name.as_str(), Some(row.loss), None));
+        let scored = self.rows.iter().map(|row| (row.name.as_str(), Some(row), None));
         let failed = self.faults.iter().map(|(mapper, fault)| (*mapper, None, Some(fault)));
-        let rows: Vec<(&str, Option<SeriesMean>, Option<&String>)> = scored.chain(failed).collect();
+        let rows: Vec<(&str, Option<&Prediction>, Option<&String>)> = scored.chain(failed).collect();
+        let plain = |row: Option<&Prediction>| row.map(|row| row.plain.mean);
+        let fair = |row: Option<&Prediction>| row.and_then(|row| row.fair.as_ref()).map(|fair| fair.loss.mean);
+        let by = |row: Option<&Prediction>, of: &dyn Fn(&Recalibration) -> f64| {
+            let by = row.and_then(|row| row.fair.as_ref()).map(|fair| fair.by);
+            optional(by.map(|by| by.iter().map(of).sum::<f64>() / FOLDS as f64))
+        };
         let table = Table::of(
             &rows,
             &[
                 ("mapper", &|row| json!(row.0)),
                 ("readings", &|row| json!(row.1.map(|_| self.readings))),
-                ("predictive_log_loss", &|row| optional(row.1.map(|loss| loss.mean))),
-                ("low", &|row| optional(row.1.map(|loss| loss.interval.low))),
-                ("high", &|row| optional(row.1.map(|loss| loss.interval.high))),
+                ("predictive_log_loss", &|row| optional(plain(row.1).map(|loss| loss.mean))),
+                ("low", &|row| optional(plain(row.1).map(|loss| loss.interval.low))),
+                ("high", &|row| optional(plain(row.1).map(|loss| loss.interval.high))),
+                ("recalibrated_log_loss", &|row| optional(fair(row.1).map(|loss| loss.mean))),
+                ("recalibrated_low", &|row| optional(fair(row.1).map(|loss| loss.interval.low))),
+                ("recalibrated_high", &|row| optional(fair(row.1).map(|loss| loss.interval.high))),
+                ("shift", &|row| by(row.1, &|by| by.shift)),
+                ("slope", &|row| by(row.1, &|by| by.slope)),
             ],
         );
         if self.faults.is_empty() { table } else { table.and(&rows, &[("error", &|row| json!(row.2))]) }
     }
 
-    /// Every row's difference from the baseline.
+    /// Every row's difference from the baseline, recalibrated and as the maps are.
     pub(super) fn differences(&self) -> Table {
+        let fair = self.others().filter_map(|row| Some((row, "recalibrated", &row.fair.as_ref()?.loss)));
+        let plain = self.others().map(|row| (row, "plain", &row.plain));
         Table::of(
-            &self.others().collect::<Vec<_>>(),
+            &fair.chain(plain).collect::<Vec<_>>(),
             &[
-                ("mapper", &|row| json!(row.name)),
+                ("mapper", &|row| json!(row.0.name)),
                 ("baseline", &|_| json!(self.rows[self.baseline].name)),
-                ("difference", &|row| rounded(row.difference.mean)),
-                ("low", &|row| rounded(row.difference.interval.low)),
-                ("high", &|row| rounded(row.difference.interval.high)),
-                ("verdict", &|row| json!(row.verdict())),
+                ("score", &|row| json!(row.1)),
+                ("difference", &|row| rounded(row.2.difference.mean)),
+                ("low", &|row| rounded(row.2.difference.interval.low)),
+                ("high", &|row| rounded(row.2.difference.interval.high)),
+                ("verdict", &|row| json!(row.2.verdict())),
             ],
         )
     }
@@ -160,13 +195,14 @@ impl Predictions {
 
 /// The map that readings are held against: that of `visibility`, else the one that predicts best; none that knows nothing.
 fn judging(rows: &[Prediction], maps: &Maps) -> Option<usize> {
-    let loss = |map: &Map| rows.iter().find(|row| row.name == map.mapper).map_or(f64::INFINITY, |row| row.loss.mean);
+    let loss =
+        |map: &Map| rows.iter().find(|row| row.name == map.mapper).map_or(f64::INFINITY, |row| row.plain.mean.mean);
     let rank = |map: &Map| if map.mapper == "visibility" { f64::NEG_INFINITY } else { loss(map) };
     let known = (0..maps.maps.len()).filter(|map| maps.maps[*map].mapper != "prior");
     known.min_by(|a, b| rank(&maps.maps[*a]).total_cmp(&rank(&maps.maps[*b])))
 }
 
-impl Prediction {
+impl Loss {
     /// Whether it predicts better or worse than the baseline.
     pub(super) fn verdict(&self) -> &'static str {
         match self.difference.interval {

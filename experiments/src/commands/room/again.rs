@@ -15,6 +15,7 @@ use crate::failure::Failure;
 use crate::output::args::{Format, PriorOptions, ThreadsOption};
 use crate::page::{self, Folder, ViewedWorld, Viewer};
 use crate::programs::options::{ProgramOptions, ProgramRecord};
+use crate::worlds::drives::DriveOptions;
 use crate::worlds::run::Keep;
 
 /// What the page of a room needs of its record.
@@ -35,12 +36,14 @@ struct Configuration {
     programs: Vec<ProgramRecord>,
     prior: Prior,
     reconciliation: String,
+    #[serde(default)]
+    drives: DriveOptions,
 }
 
 impl Made {
     /// The options that lead to the same run.
     fn options(self, prior: PriorOptions) -> Result<RoomOptions, Failure> {
-        let Configuration { scene, layout, seeds, mappers, programs, .. } = self.configuration;
+        let Configuration { scene, layout, seeds, mappers, programs, drives, .. } = self.configuration;
         let (seed, grid) = (self.seed, Some(self.grid.cell_m));
         Ok(RoomOptions {
             scene,
@@ -51,6 +54,7 @@ impl Made {
             mappers,
             programs: ProgramOptions::recorded(&programs)?,
             prior,
+            drives,
             out: None,
             format: Format::Text,
             threads: ThreadsOption::default(),

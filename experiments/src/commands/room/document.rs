@@ -36,8 +36,9 @@ pub(crate) const PICTURES: [(&str, &str); 4] = [
 ];
 
 const SCORES: &str = "Regions follow from noise-free rays, never from a map, so that all mappers are scored on the same cells. \
-    Log loss, Brier score, calibration error (ece), phantom and missed area are better when lower, the others when higher; a dash \
-    is a metric that is not defined there.";
+    Log loss, Brier score, calibration error (ece), phantom and missed area, collisions and detour are better when lower, the others when higher; a dash \
+    is a metric that is not defined there. Drives (reached, colliding, detour; under all) go between pairs of places that follow from the truth: they are \
+    planned on the map and driven as the robot's disc in the exact world; recall is the share of surface cells above 0.5 and 0.65.";
 
 /// Puts the page together. `record` is `run.json`.
 pub(crate) fn page(

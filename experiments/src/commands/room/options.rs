@@ -6,6 +6,7 @@ use clap::Args;
 
 use crate::output::args::{Format, PriorOptions, ThreadsOption, count, positive, trimmed};
 use crate::programs::options::ProgramOptions;
+use crate::worlds::drives::DriveOptions;
 
 /// A million maps in one run is a sweep, not a table with a spread.
 const MOST_SEEDS: u32 = 10_000;
@@ -42,6 +43,9 @@ pub struct RoomOptions {
     /// What the mappers assume before the first reading
     #[command(flatten)]
     pub prior: PriorOptions,
+    /// Drives that are planned on the maps of every stage
+    #[command(flatten)]
+    pub drives: DriveOptions,
     /// Folder for tables, maps, pictures and report, written whole or not at all [default: results/ and the scene's name]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

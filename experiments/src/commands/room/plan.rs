@@ -9,7 +9,7 @@ use crate::jobs::memory;
 use crate::page;
 use crate::worlds::condition::AS_BELIEVED;
 use crate::worlds::mappers::entries;
-use crate::worlds::run::Ground;
+use crate::worlds::run::{Driven, Ground};
 use crate::worlds::site::{Assumptions, Site};
 
 /// Everything that a trial needs, from the options.
@@ -26,6 +26,7 @@ impl RoomPlan {
         let mappers = entries(&options.mappers, &options.programs)?;
         let scene = scene::load(&options.scene, options.grid, options.layout)?;
         let Site { ground, setup } = Site::of(scene, &AS_BELIEVED, &Assumptions::of(&options.prior))?;
+        let ground = ground.with_drives(&options.drives, Driven::EveryStage);
         Ok(Self { frames: page::moments(&ground, page::FRAMES), ground, mappers, setup })
     }
 }

@@ -10,6 +10,7 @@ use serde::Serialize;
 use super::options::RoomOptions;
 use crate::programs::options::ProgramRecord;
 use crate::worlds::claims::Claim;
+use crate::worlds::drives::DriveOptions;
 use crate::worlds::run::{Ground, Stage};
 
 /// What the record of a room holds.
@@ -54,6 +55,8 @@ pub(super) struct Configuration {
     pub field_of_view_rad: f64,
     /// The robot.
     pub robot: Robot,
+    /// How drives are planned on the maps.
+    pub drives: DriveOptions,
 }
 
 /// The robot of the scene.
@@ -88,6 +91,7 @@ impl Parts {
                 columns: ground.scene.camera.columns,
                 field_of_view_rad: ground.scene.camera.field_of_view_rad,
                 robot: Robot::of(&ground.scene),
+                drives: options.drives,
             },
             grid: ground.scene.grid,
             stages: stages.to_vec(),

@@ -3,9 +3,11 @@
 use std::fmt::Write as _;
 
 use score::Summary;
+use score::navigation::Planning;
 
 use crate::output::table::aligned;
 use crate::worlds::claims::{self, Claim};
+use crate::worlds::drives;
 use crate::worlds::run::{Ground, Stage, Trial};
 
 /// A column of a summary table: heading, metric, decimals.
@@ -27,6 +29,14 @@ const REGION: [Column; 5] = [
     ("held free", "free_known", 3),
     ("held occupied", "free_lost", 3),
     ("retention", "retention", 3),
+];
+
+const DRIVES: [Column; 5] = [
+    ("reached", "reached", 3),
+    ("colliding", "colliding", 3),
+    ("detour", "detour", 3),
+    ("recall > 0.5", "recall_50", 3),
+    ("recall > 0.65", "recall_65", 3),
 ];
 
 /// Tables of the last stage over what was observable and in every named region, then the claims.
@@ -67,10 +77,19 @@ pub(super) fn text(ground: &Ground, trials: &[Trial], stages: &[Stage], claims: 
         let _ = writeln!(text, "{}", aligned(&heads, &rows));
     };
     section("all that could be seen (areas in m²)", "observable", &OBSERVABLE);
+    if ground.planning.pairs > 0 {
+        section(&driven(&ground.planning), drives::REGION.name(), &DRIVES);
+    }
     for region in &ground.scene.regions {
         section(&format!("free cells of region {}", region.name), &region.name, &REGION);
     }
     text + &claims::lines(claims)
+}
+
+/// What is driven, in words.
+fn driven(planning: &Planning) -> String {
+    let Planning { robot_radius_m, threshold, .. } = planning;
+    format!("drives of a robot of radius {robot_radius_m} m where p is at most {threshold}")
 }
 
 /// A metric over those seeds in which it has a value.

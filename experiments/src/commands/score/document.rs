@@ -6,6 +6,7 @@ use grid::GridSpec;
 use serde::Deserialize;
 use serde_json::Value;
 
+use super::driven;
 use super::figures::CAPTIONS;
 use super::text::{COLUMNS, title};
 use crate::failure::Failure;
@@ -29,6 +30,8 @@ struct Made {
     grid: Lying,
     truth: Cells,
     shown: Vec<String>,
+    /// What was driven, in words; nothing where nothing was.
+    driven: Option<String>,
 }
 
 #[derive(Deserialize)]
@@ -69,7 +72,7 @@ struct Bin {
 }
 
 const LEAD: &str = "Maps of any maker against the truth, on the same cells.";
-const SCORES: &str = "Log loss, Brier score, calibration error (ece), phantom and missed area are better when lower, the others when higher; a dash \
+const SCORES: &str = "Log loss, Brier score, calibration error (ece), phantom and missed area, collisions and detour are better when lower, the others when higher; a dash \
     is a metric that is not defined there. Differences are over the cells that both maps are scored on; their intervals are 95 % by a bootstrap of \
     tiles of this one world, and say nothing of other worlds.";
 
@@ -110,7 +113,7 @@ fn laid(made: &Made, record: &Value, tables: &Tables, pictures: Vec<Picture>) ->
         claims: Vec::new(),
         viewer: None,
         sections: vec![
-            section("Scores", SCORES, sheets(&made.shown, tables)?),
+            section("Scores", SCORES, sheets(made, tables)?),
             section("Pictures", "", pictures.into_iter().map(Part::Picture).collect()),
         ],
         configuration: format!("{:#}", record["configuration"]),
@@ -132,15 +135,20 @@ fn facts(made: &Made) -> String {
 }
 
 /// What the terminal shows, and everything behind a line.
-fn sheets(shown: &[String], tables: &Tables) -> Result<Vec<Part>, csv::Error> {
+fn sheets(made: &Made, tables: &Tables) -> Result<Vec<Part>, csv::Error> {
     let rows: Vec<Metric> =
         csv::Reader::from_reader(tables.metrics.as_slice()).into_deserialize().collect::<Result<_, _>>()?;
     let mut maps: Vec<&str> = rows.iter().map(|row| row.map.as_str()).collect();
     maps.dedup();
-    let mut parts: Vec<Part> = shown.iter().map(|region| Part::Sheet(region_sheet(&rows, &maps, region))).collect();
+    let mut parts: Vec<Part> =
+        made.shown.iter().map(|region| Part::Sheet(region_sheet(&rows, &maps, region))).collect();
     if let Some(profiles) = &tables.profiles {
         parts.push(Part::Sheet(range_sheet(profiles, &maps)?));
     }
+    let value = |map: &str, region: &str, metric: &str| {
+        rows.iter().find(|row| row.map == map && row.region == region && row.metric == metric)?.value
+    };
+    parts.extend(made.driven.as_ref().map(|worded| Part::Sheet(driven::sheet(&maps, worded, &value))));
     let fold = |summary: String, table: &[u8]| {
         Ok::<_, csv::Error>(Part::Fold { summary, open: false, parts: vec![whole(table)?] })
     };

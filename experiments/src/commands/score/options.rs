@@ -7,6 +7,7 @@ use mapper::Prior;
 use score::Finer;
 
 use crate::output::args::{FormatOption, ThreadsOption, number, positive, probability};
+use crate::worlds::drives::DriveOptions;
 use crate::worlds::map_file::{Origin, RowOrder, Shading, origin, side};
 
 /// Options of `score`.
@@ -58,6 +59,9 @@ pub struct ScoreOptions {
     /// Lower-left corner in metres and angle in radians, of files that do not say it
     #[arg(long, value_name = "X,Y,YAW", allow_hyphen_values = true, value_parser = origin)]
     pub origin: Option<Origin>,
+    /// Drives that are planned on every map
+    #[command(flatten)]
+    pub drives: DriveOptions,
     /// Folder for tables, pictures and report, written whole or not at all [default: none is written]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -154,6 +158,10 @@ With --scans, maps are scored over what the rays could see, in the regions of `r
 Log loss and Brier score are told by the range from which cells were seen best, too (`range 1-1.5`, m, the upper end not included), and by the number of rays that \
 looked at them (`looks 4-8`). Without, every known cell of the truth is scored, region `all`, and every occupied cell can be missed (missed_area). Metrics are those of `room` but for \
 retention, which needs the maps after every scan, and a file holds one: of a program that makes them, `room --mapper NAME='online: COMMAND'` tells it. `known` is the share of the region of which the map knows something, `outside` the share beyond its border.
+
+Drives (reached, colliding, detour; region `all`) go between the same pairs of places on every map: places and pairs follow from the truth, where a robot's disc stands clear and a way joins them, at least 1 m apart. \
+They are planned in the cells of the truth, 8 neighbours, on what the map takes for free, and driven as a disc among the scene's obstacles, or among the occupied cells of a map. reached is the share planned and driven without a collision, \
+colliding the share planned and driven into something; the rest was not planned. detour is the mean length of those reached over a shortest way in the truth.
 
 Differences are MAP minus the first MAP over the cells that both are scored on. Their 95 % intervals are those of a bootstrap of square tiles of this one \
 world, since neighbouring cells err together; they say nothing of other worlds, and are not adjusted for the number of metrics. A verdict needs at least six tiles.";

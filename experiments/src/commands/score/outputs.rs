@@ -7,10 +7,11 @@ use grid::Raster;
 use serde_json::{Value, json};
 
 use super::document::Tables;
+use super::drives::Drives;
 use super::options::ScoreOptions;
 use super::scored::Scored;
 use super::truth::Truth;
-use super::{document, figures, profiles, rows};
+use super::{document, drives, figures, profiles, rows};
 use crate::failure::Failure;
 use crate::output::folder::{Purpose, Staging};
 use crate::output::ledger::RECORD;
@@ -51,10 +52,11 @@ pub(super) fn write(
     let pictures = pictures(staging, scored, truth, first_region, options.prior)?;
     let [free, occupied, unknown] = truth.counts();
     let parts = json!({
-        "configuration": configuration(scored, options),
+        "configuration": configuration(scored, truth, options),
         "grid": truth.frame,
         "truth": { "free": free, "occupied": occupied, "unknown": unknown },
         "shown": scored.shown,
+        "driven": scored.drives.as_ref().map(Drives::worded),
     });
     let record = Record::new("score", parts);
     let html = document::page(&record.json(&staging.files_and(&["report.html", RECORD]))?, &tables, pictures)?;
@@ -84,7 +86,7 @@ fn pictures(
 }
 
 /// What the scores were made from.
-fn configuration(scored: &Scored, options: &ScoreOptions) -> Value {
+fn configuration(scored: &Scored, truth: &Truth, options: &ScoreOptions) -> Value {
     let place = options.resolution.zip(options.origin);
     json!({
         "truth": options.truth.display().to_string(),
@@ -96,6 +98,7 @@ fn configuration(scored: &Scored, options: &ScoreOptions) -> Value {
         "unknown": options.unknown.name(),
         "prior": options.prior,
         "finer": score::Finer::from(options.finer),
+        "drives": drives::planning(truth, options),
         "align": options.align.name(),
         "align_bound_m": options.align_bound,
         "align_bound_deg": options.align_turn,

@@ -4,6 +4,7 @@ use grid::Frame;
 use score::{Alignment, Resampling};
 
 use super::candidate::Scorable;
+use super::drives::Drives;
 use super::profiles::{self, Profiles};
 use super::rows::{Difference, Row};
 
@@ -28,6 +29,8 @@ pub(super) struct Scored {
     pub(super) differences: Vec<Difference>,
     /// The regions that the terminal shows, the first of them of differences too.
     pub(super) shown: Vec<String>,
+    /// The drives that were planned on every map, if any.
+    pub(super) drives: Option<Drives>,
 }
 
 impl Scored {

@@ -4,12 +4,13 @@ use std::fmt::Write as _;
 
 use score::{Resampling, Tiles};
 
-use super::alignment;
 use super::options::{ScoreOptions, Unknown};
 use super::rows::{Difference, Row};
 use super::scored::Scored;
 use super::truth::Truth;
+use super::{alignment, driven};
 use crate::output::table::{aligned, wrapped};
+use crate::page::{Cell, Sheet};
 use crate::worlds::criteria::criterion;
 
 /// Columns of the terminal.
@@ -74,10 +75,30 @@ pub(super) fn text(scored: &Scored, truth: &Truth, options: &ScoreOptions) -> St
         let rows: Vec<Vec<String>> = scored.maps.iter().map(|map| row(&map.name, &map.rows, region)).collect();
         text += &aligned(&heads, &rows);
     }
+    if let Some(drives) = &scored.drives {
+        let maps: Vec<&str> = scored.maps.iter().map(|map| map.name.as_str()).collect();
+        let value = |map: &str, region: &str, metric: &str| {
+            let of_map = scored.maps.iter().find(|scored| scored.name == map)?;
+            find(&of_map.rows, region, metric)?.metric.value
+        };
+        text += &driven(&driven::sheet(&maps, &drives.worded(), &value));
+    }
     if scored.maps.len() > 1 {
         text += &differences(&scored.differences, &scored.maps[0].name, &scored.shown[0], &Tiles::of(spec));
     }
     text
+}
+
+/// The table of drives.
+fn driven(sheet: &Sheet) -> String {
+    let heads: Vec<&str> = sheet.heads.iter().map(String::as_str).collect();
+    let cells = |row: &Vec<Cell>| {
+        let mut cells: Vec<String> = row.iter().map(|cell| cell.text.clone()).collect();
+        cells[0] = short(&cells[0]);
+        cells
+    };
+    let rows: Vec<Vec<String>> = sheet.rows.iter().map(cells).collect();
+    format!("\n{}\n{}{}\n", sheet.caption, aligned(&heads, &rows), wrapped(&sheet.note, WIDTH).join("\n"))
 }
 
 /// Adds a paragraph in lines of the terminal's width, the second and later ones indented.

@@ -15,6 +15,7 @@ use crate::failure::{Failure, panic_text};
 use crate::output::digest;
 use crate::programs::options::ProgramRecord;
 use crate::worlds::condition::AS_BELIEVED;
+use crate::worlds::drives;
 use crate::worlds::run::{Ground, Keep};
 use crate::worlds::site::{Assumptions, Site};
 
@@ -95,6 +96,9 @@ impl Job {
 
     fn map(&self, source: &SourceText, names: &[String]) -> Result<Vec<SweepRow>, Failure> {
         let Site { mut ground, setup } = self.site(source)?;
+        if !self.regions.iter().any(|region| region == drives::REGION.name()) {
+            ground = ground.without_drives();
+        }
         self.thin(&mut ground);
         let unknown = |name: &str| Failure::BadInput(format!("there is no mapper {name:?}"));
         let program = |name: &str| self.programs.iter().find(|program| program.name == name);
