@@ -25,6 +25,7 @@ use crate::exit;
 use crate::failure::Failure;
 use crate::jobs::memory;
 use crate::output::args::{Given, SceneOptions};
+use crate::programs::watcher;
 
 /// Tells good maps from bad ones: simulates a robot with a stereo camera, maps what it sees by
 /// several rules, and scores the maps against the truth.
@@ -83,10 +84,14 @@ enum Command {
 }
 
 /// The commands that leave a page, each with what makes its page anew.
-const PAGES: [(&str, report::Renewal); 2] = [("room", room::renewed_page), ("compare", compare::renewed_page)];
+const PAGES: [(&str, report::Renewal); 3] =
+    [("room", room::renewed_page), ("compare", compare::renewed_page), ("score", score::renewed_page)];
 
 /// Runs the command that the command line names.
 pub fn main() -> ExitCode {
+    if let Some(code) = watcher::if_asked() {
+        return code;
+    }
     let matches = Cli::command().get_matches();
     let mut command = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit()).command;
     let given = matches.subcommand().map(|(_, options)| Given::of(options)).unwrap_or_default();

@@ -9,6 +9,7 @@ pub mod ink;
 pub mod maps;
 mod mark;
 pub mod panel;
+pub mod profiles;
 pub mod regions;
 pub mod scene;
 pub mod timeline;

@@ -1,7 +1,7 @@
 //! Simulate, map, score and show: the library behind the command line.
 //!
-//! Programs of your own may rely on [`gate`], which runs gates on mappers of yours, and on [`main`], which is the whole
-//! command line. All else serves the tests and benches of this package and may change at any time.
+//! Programs of your own may rely on [`gate`], which runs gates on mappers of yours, on [`program`], which makes a mapper of yours
+//! one for `--mapper`, and on [`main`], which is the whole command line. All else serves the tests and benches of this package and may change at any time.
 
 #[doc(hidden)]
 pub mod cli;
@@ -25,3 +25,4 @@ pub mod worlds;
 
 pub use cli::main;
 pub use commands::gate::door as gate;
+pub use programs::serve::program;

@@ -5,6 +5,7 @@
 
 mod encoding;
 mod folder;
+pub mod kept;
 mod part;
 mod viewer;
 

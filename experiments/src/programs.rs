@@ -5,6 +5,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
+mod adopted;
 mod batch;
 mod described;
 mod exchange;
@@ -15,7 +16,10 @@ pub mod options;
 mod orphans;
 mod process;
 pub mod program;
+pub mod serve;
 mod talk;
+pub mod times;
+pub(crate) mod watcher;
 
 /// A word that no other process or folder of this or another run is called by.
 fn unique() -> String {

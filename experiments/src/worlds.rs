@@ -1,6 +1,7 @@
 //! What is mapped, and how the maps are judged.
 
 pub(crate) mod agreement;
+pub mod bins;
 pub mod claims;
 pub mod condition;
 pub mod criteria;

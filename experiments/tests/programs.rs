@@ -129,9 +129,23 @@ fn a_program_that_answers_the_prior_scores_as_the_prior_does() {
     for (ours, theirs) in online.timeline.iter().zip(&prior.timeline) {
         assert!(agree(ours.log_loss, theirs.log_loss) && agree(ours.retention, theirs.retention));
     }
-    let program = online.program.as_ref().expect("a program");
-    assert!(program.process_s > 0.0 && program.besides_s >= 0.0);
+    assert!(online.program.is_some());
     assert_eq!(prior.program, None);
+}
+
+#[test]
+fn a_mapper_in_rust_is_the_same_as_a_program() {
+    for name in ["visibility", "log-odds-octomap", "forward-em"] {
+        let own = find(name).expect("known");
+        let (trial, _) = trial(&[own, program(&format!("served=online: {CHILD} serves {name}"))]);
+        let [own, served] = &trial.runs[..] else { panic!("two runs") };
+        assert!(own.stages.len() == served.stages.len() && !own.stages.is_empty());
+        for (own, served) in own.stages.iter().zip(&served.stages) {
+            assert_eq!(served.fault, None);
+            assert_eq!(own.occupancy, served.occupancy, "{name}: to the last bit");
+            assert!(own.scores == served.scores || name == "forward-em", "{name}: retention of every scan");
+        }
+    }
 }
 
 #[test]
@@ -154,14 +168,42 @@ fn a_room_is_mapped_by_a_program_and_the_rest_is_as_ever() {
     assert!(place.path("out/mine-end.npy").is_file());
     let record: Value = serde_json::from_slice(&fs::read(place.path("out/run.json")).expect("there")).expect("JSON");
     assert_eq!(record["configuration"]["programs"][0]["name"], "mine");
-    let (_, err) = checked(2, &"report", &place.run(&["report", "out"]));
-    assert!(err.contains("was made with a program"), "{err}");
     let without =
         place.run(&["room", "--scene", "closet.toml", "--mappers", "prior", "--format", "csv", "--out", "o2"]);
     assert!(
         String::from_utf8_lossy(&without.stdout)
             .starts_with("scene,seed,mapper,stage,region,metric,value,unit,support\n")
     );
+}
+
+#[test]
+fn the_page_of_a_room_is_laid_anew_without_starting_its_programs() {
+    let stages = "[[stage]]\nname = \"there\"\nafter = [\"A\", \"B\"]\n[[stage]]\nname = \"back\"\nafter = [\"A\", \"B\", \"A\"]\n";
+    for (code, mappers, programs) in [
+        (0, "b,prior,a", &["a=./child prior-f4", "b=online: ./child online"][..]),
+        (3, "a,b", &["a=./child fails", "b=online: ./child online-dies"]),
+        (0, "a", &["a=online: ./child online"]),
+    ] {
+        let place = Place::new();
+        fs::write(place.path("closet.toml"), format!("{SCENE}{stages}")).expect("writable");
+        fs::copy(CHILD, place.path("child")).expect("copied");
+        let mut args = vec!["room", "--scene", "closet.toml", "--seeds", "2", "--out", "out", "--mappers", mappers];
+        programs.iter().for_each(|program| args.extend(["--mapper", program]));
+        checked(code, &args, &place.run(&args));
+        fs::remove_file(place.path("child")).expect("there");
+        let read = |name: &str| fs::read(place.path("out").join(name)).expect("there");
+        let (page, record) = (read("report.html"), read("run.json"));
+        fs::remove_file(place.path("out/report.html")).expect("there");
+        checked(0, &"report", &place.run(&["report", "out"]));
+        assert!(read("report.html") == page && read("run.json") == record, "{programs:?}");
+        let kept = String::from_utf8(read("a-page.json")).expect("text");
+        fs::write(place.path("out/a-page.json"), kept.replace("\"seed\":1", "\"seed\":2")).expect("writable");
+        let (_, err) = checked(2, &"report", &place.run(&["report", "out"]));
+        assert!(err.contains("a-page.json: has changed since the run that wrote it"), "{err}");
+        fs::remove_file(place.path("out/a-page.json")).expect("there");
+        let (_, err) = checked(2, &"report", &place.run(&["report", "out"]));
+        assert!(err.contains("a-page.json: cannot be read"), "{err}");
+    }
 }
 
 /// Whether a process has ended, or is about to be buried.
@@ -268,7 +310,7 @@ fn a_program_that_does_not_read_is_ended() {
 
 #[test]
 fn no_process_is_left() {
-    for (behaviour, code) in [("forks", 0), ("escapes", 0), ("forks-and-sleeps", 3)] {
+    for (behaviour, code) in [("forks", 0), ("escapes", 0), ("disguises", 0), ("forks-and-sleeps", 3)] {
         let place = Place::new();
         let pid_file = place.path("pid");
         let program = format!("{CHILD} {behaviour} {}", pid_file.display());
@@ -281,6 +323,80 @@ fn no_process_is_left() {
     }
     let place = Place::new();
     place.room(0, &format!("online: {CHILD} online-stays"), &[]);
+}
+
+/// The processes, not counting those that wait to be buried, of whose words one contains the text.
+fn alive(text: &str) -> Vec<String> {
+    let numbers = fs::read_dir("/proc").into_iter().flatten().flatten().map(|entry| entry.file_name());
+    let pids = numbers.filter_map(|name| name.into_string().ok()).filter(|name| name.parse::<u32>().is_ok());
+    let named = |pid: &String| {
+        let words = fs::read(format!("/proc/{pid}/cmdline")).unwrap_or_default();
+        String::from_utf8_lossy(&words).replace('\0', " ").contains(text) && !is_gone(pid)
+    };
+    pids.filter(named).collect()
+}
+
+/// Asks again and again, for a minute.
+fn becomes_true(mut what: impl FnMut() -> bool) -> bool {
+    (0..6000).any(|_| {
+        what() || {
+            std::thread::sleep(Duration::from_millis(10));
+            false
+        }
+    })
+}
+
+/// Starts `room` with a program that leaves a child behind, and gives it when the child runs.
+fn room_with_child(place: &Place, behaviour: &str, more: &[&str]) -> std::process::Child {
+    let pid_file = place.path("pid");
+    let mode = if behaviour.starts_with("online") { "online: " } else { "" };
+    let program = format!("mine={mode}{CHILD} {behaviour} {}", pid_file.display());
+    let mut command = std::process::Command::new(assert_cmd::cargo::cargo_bin!("experiments"));
+    command
+        .args(["room", "--scene", "closet.toml", "--mappers", "prior", "--mapper", &program, "--out", "out"])
+        .args(more);
+    command.current_dir(place.0.path()).env("TMPDIR", place.path("tmp"));
+    command.stdout(std::process::Stdio::null()).stderr(std::process::Stdio::null());
+    let child = command.spawn().expect("starts");
+    assert!(becomes_true(|| !fs::read_to_string(&pid_file).unwrap_or_default().is_empty()), "{behaviour}");
+    child
+}
+
+#[test]
+fn no_process_is_left_when_the_harness_itself_is_killed() {
+    if !Path::new("/proc/self/cmdline").is_file() {
+        return;
+    }
+    for behaviour in ["forks-and-sleeps", "stays", "online-leaves-and-stays"] {
+        let place = Place::new();
+        let here = place.0.path().display().to_string();
+        let mut harness = room_with_child(&place, behaviour, &[]);
+        let watcher = format!("--watch-programs {}", harness.id());
+        assert!(alive(&here).len() >= 3 && alive(&watcher).len() == 1, "{behaviour}: harness, program, its child");
+        harness.kill().and_then(|()| harness.wait()).expect("killed by signal 9");
+        assert!(
+            becomes_true(|| alive(&here).is_empty() && alive(&watcher).is_empty()),
+            "{behaviour}: {:?}",
+            alive(&here)
+        );
+        assert_eq!(fs::read_dir(place.path("tmp")).expect("there").count(), 0, "{behaviour}: no folder is left");
+    }
+}
+
+#[test]
+fn a_watcher_that_is_killed_is_done_without() {
+    if !Path::new("/proc/self/cmdline").is_file() {
+        return;
+    }
+    let place = Place::new();
+    let mut harness = room_with_child(&place, "stays", &["--mapper-timeout", "3"]);
+    let watcher = alive(&format!("--watch-programs {}", harness.id()));
+    let killed = std::process::Command::new("kill").args(["-9", &watcher[0]]).status().expect("kill");
+    assert!(killed.success());
+    assert_eq!(harness.wait().expect("waited for").code(), Some(3), "the map is late, the rest is as ever");
+    assert!(place.path("out/report.html").is_file());
+    let here = place.0.path().display().to_string();
+    assert!(becomes_true(|| alive(&here).is_empty()), "{:?}", alive(&here));
 }
 
 #[test]

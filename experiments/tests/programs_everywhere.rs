@@ -46,6 +46,14 @@ fn lines(folder: &Path, mapper: &str) -> Vec<Vec<String>> {
     table.records().map(|record| line(record.expect("a row"))).collect()
 }
 
+/// The time in the process of each program is told apart from ours, and only once.
+fn told_times(err: &str) {
+    for program in ["same", "bad"] {
+        let line = |line: &&str| line.starts_with(&format!("{program}: ")) && line.contains(" s in its process, ");
+        assert_eq!(err.lines().filter(line).count(), 1, "{program}: {err}");
+    }
+}
+
 #[test]
 fn compare_pairs_a_program_with_the_reference() {
     let folder = TempDir::new().expect("temporary folder");
@@ -54,6 +62,7 @@ fn compare_pairs_a_program_with_the_reference() {
     let args = [&args[..], &["--mappers", "visibility,prior", "--quick", "--format", "json"]].concat();
     let (out, err) = checked(3, &args, &run(folder.path(), &args));
     assert!(err.contains("programs gave no map 3 times, first bad: attic"), "{err}");
+    told_times(&err);
     let rows = rows(&out);
     let mut pairs = 0;
     for (same, prior) in of(&rows, "same").zip(of(&rows, "prior")) {
@@ -68,6 +77,13 @@ fn compare_pairs_a_program_with_the_reference() {
     assert!(pairs > 10);
     assert!(of(&rows, "bad").count() > 0 && of(&rows, "bad").all(|row| row["difference"].is_null()));
     assert_eq!(lines(folder.path(), "same"), lines(folder.path(), "prior"));
+    // The page is laid anew without starting a program.
+    let page = fs::read(folder.path().join("c/report.html")).expect("there");
+    fs::remove_file(folder.path().join("c/report.html")).expect("there");
+    let mut command = Command::cargo_bin("experiments").expect("built");
+    let report = command.current_dir(folder.path()).env("PATH", "").args(["report", "c"]).output().expect("starts");
+    let (_, err) = checked(0, &"report", &report);
+    assert!(!err.contains("same") && fs::read(folder.path().join("c/report.html")).expect("there") == page, "{err}");
     let bad = fs::read_to_string(folder.path().join("c/scores-bad.csv")).expect("there");
     assert!(bad.lines().skip(1).all(|line| line.contains("exit code 3: must be 0")), "{bad}");
 }
@@ -85,6 +101,7 @@ fn sweeps_take_programs_into_their_jobs() {
     let ran = shards.current_dir(folder.path()).args(["sweep", "run", "s"]).output().expect("starts");
     let (_, err) = checked(0, &"run", &ran);
     assert!(err.contains("4 jobs") && err.contains("4 rows with an error"), "{err}");
+    told_times(&err);
     checked(0, &"all", &run(folder.path(), &["sweep", "s.toml", "--out", "s"]));
     let mut table = csv::Reader::from_path(folder.path().join("s/table.csv")).expect("there");
     let heads = table.headers().expect("heads").clone();
@@ -115,7 +132,8 @@ fn gates_judge_a_program_and_fail_where_it_fails() {
     };
     fs::write(folder.path().join("gates.toml"), gate("same") + &gate("prior") + &gate("bad")).expect("writable");
     let args = ["gate", "--gates", "gates.toml", "--format", "json"];
-    let (out, _) = checked(3, &args, &run(folder.path(), &args));
+    let (out, err) = checked(3, &args, &run(folder.path(), &args));
+    told_times(&err);
     let rows = rows(&out);
     let value = |name: &str| rows.iter().find(|row| row["gate"] == name).expect("a row");
     assert_eq!(value("same")["value"], value("prior")["value"]);

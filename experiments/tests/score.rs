@@ -61,6 +61,15 @@ impl Place {
     }
 }
 
+/// An NPY file in double precision, written by hand.
+fn doubles(width: usize, shares: &[f64]) -> Vec<u8> {
+    let head = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({}, {width}), }}", shares.len() / width);
+    let mut bytes = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
+    bytes.extend(format!("{head:<117}\n").bytes());
+    bytes.extend(shares.iter().flat_map(|share| share.to_le_bytes()));
+    bytes
+}
+
 const AT: [&str; 4] = ["--resolution", "0.5", "--origin", "1,2,0"];
 
 /// Every metric straight from its definition, in the order of the table: value and support.
@@ -296,6 +305,17 @@ fn what_is_refused() {
         "small.npy: has no resolution and origin, and 20 x 30 cells where the truth has 40 x 30",
     );
     place.refused(&["t.pgm", "--truth", "absent.yaml"], "absent.yaml: cannot be read");
+    for folder in ["f.npy", "f.yaml", "f.png"] {
+        fs::create_dir(place.path().join(folder)).expect("made");
+        place.refused(&[folder, "--truth", "t.yaml"], &format!("{folder}: is a folder; name the file of a map in it"));
+        place.refused(&["t.yaml", "--truth", folder], &format!("{folder}: is a folder; name the file of a map in it"));
+    }
+    #[cfg(unix)]
+    {
+        let made = std::process::Command::new("mkfifo").arg(place.path().join("pipe.npy")).status().expect("mkfifo");
+        assert!(made.success());
+        place.refused(&["pipe.npy", "--truth", "t.yaml"], "pipe.npy: is a pipe or a device; save the map to a file");
+    }
 }
 
 #[test]
@@ -404,4 +424,132 @@ fn with_scans_regions_are_those_of_the_room() {
         assert!((cells - support).abs() < 0.1 * support, "{region} {metric}: {cells}, not {support}");
     }
     place.refused(&["room/truth.npy", "--truth", "room/truth.npy", "--scans", "absent.csv"], "absent.csv");
+}
+
+/// A corridor of 24 x 3 cells of half a metre with a wall at its right end, and one beam along it from (0.25, 0.75) m.
+fn corridor(place: &Place) -> Vec<&'static str> {
+    let truth: Vec<f32> = (0..72).map(|k| if k % 24 == 23 { 1.0 } else { 0.0 }).collect();
+    place.array("truth.npy", 24, &truth);
+    place.put("run.json", r#"{"grid": {"cell_m": 0.5, "origin_m": [0.0, 0.0], "width": 24, "height": 3}}"#);
+    place.put(
+        "scans.csv",
+        "scan,time_s,x_m,y_m,theta_rad,bearing_rad,range_m\n0,0,0.25,0.75,0,0,11\n0,0,0.25,0.75,0,0,11\n",
+    );
+    let map = |of: fn(usize) -> f32| (0..72).map(of).collect::<Vec<f32>>();
+    place.array("map.npy", 24, &map(|k| 0.1 + 0.035 * (k % 24) as f32));
+    place.array("part.npy", 24, &map(|k| if k % 24 > 5 && k % 24 != 23 { f32::NAN } else { 0.37 }));
+    vec!["--truth", "truth.npy", "--scans", "scans.csv"]
+}
+
+#[test]
+fn error_against_range_is_that_of_the_cells_that_the_beam_entered_there() {
+    let place = Place::new();
+    let given = corridor(&place);
+    // The beam enters cell k of the middle row at 0.5 k - 0.25 m, the first one at 0 m, and hits the wall, cell 23, at 11.25 m.
+    let entered = |k: usize| if k == 0 { 0.0 } else { 0.5 * k as f64 - 0.25 };
+    let loss = |k: usize, p: f64| -(if k == 23 { p } else { 1.0 - p }).ln();
+    let edges = [0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 5.0, 8.0, f64::INFINITY];
+    let expected = |losses: &dyn Fn(usize) -> Option<f64>| -> Vec<(String, f64, u64)> {
+        let bins = edges.windows(2).filter_map(|edge| {
+            let inside: Vec<f64> =
+                (0..24).filter(|k| (edge[0]..edge[1]).contains(&entered(*k))).filter_map(losses).collect();
+            let to = if edge[1].is_finite() { edge[1].to_string() } else { String::new() };
+            let mean = inside.iter().sum::<f64>() / inside.len() as f64;
+            (!inside.is_empty()).then(|| (format!("range {}-{to}", edge[0]), mean, inside.len() as u64))
+        });
+        bins.collect()
+    };
+    let check = |map: &str, more: &[&str], losses: &dyn Fn(usize) -> Option<f64>| {
+        let rows = place.rows(&[&[map], &given[..], more].concat());
+        let of_range = |row: &&Value| {
+            row["region"].as_str().is_some_and(|r| r.starts_with("range")) && row["metric"] == "log_loss"
+        };
+        let found: Vec<_> = rows.iter().filter(of_range).collect();
+        let expected = expected(losses);
+        assert_eq!(found.len(), expected.len(), "{found:?}");
+        for (row, (region, mean, cells)) in found.iter().zip(&expected) {
+            assert_eq!((&row["region"], row["support"].as_u64()), (&region.as_str().into(), Some(*cells)));
+            let value = row["value"].as_f64().expect("a value");
+            assert!((value - mean).abs() < 1e-5 * mean, "{region} {value} {mean}");
+        }
+        let looks: Vec<_> =
+            rows.iter().filter(|row| row["region"] == "looks 2-4" && row["metric"] == "log_loss").collect();
+        assert_eq!(looks[0]["support"].as_u64(), Some(expected.iter().map(|bin| bin.2).sum()), "two beams each");
+    };
+    check("map.npy", &[], &|k| Some(loss(k, 0.1 + 0.035 * k as f64)));
+    let known = |k: usize| k <= 5 || k == 23;
+    check("part.npy", &["--prior", "0.2"], &|k| Some(loss(k, if known(k) { 0.37 } else { 0.2 })));
+    check("part.npy", &["--unknown", "skip"], &|k| known(k).then(|| loss(k, 0.37)));
+    let without = place.rows(&["map.npy", "--truth", "truth.npy"]);
+    assert!(without.iter().all(|row| row["region"] == "all"), "without scans nobody knows from where cells were seen");
+}
+
+#[test]
+fn the_page_is_laid_anew_from_the_folder_alone() {
+    let place = Place::new();
+    let given = corridor(&place);
+    let run = |maps: &[&str], more: &[&str]| {
+        place.expect(0, &[&["score"], maps, &["--truth", "truth.npy", "--out", "out"], more].concat());
+    };
+    let read = |name: &str| fs::read(place.path().join(name)).expect("there");
+    for (maps, more) in [(&["map.npy", "part.npy"][..], &given[2..]), (&["map.npy"], &given[2..]), (&["map.npy"], &[])]
+    {
+        run(maps, more);
+        let [page, record] = ["out/report.html", "out/run.json"].map(read);
+        fs::remove_file(place.path().join("out/report.html")).expect("there");
+        fs::rename(place.path().join("map.npy"), place.path().join("away.npy")).expect("there");
+        place.expect(0, &["report", "out"]);
+        assert_eq!((read("out/report.html"), read("out/run.json")), (page.clone(), record));
+        place.expect(0, &["report", "out", "--out", "page.html", "--force"]);
+        assert_eq!(read("page.html"), page);
+        fs::rename(place.path().join("away.npy"), place.path().join("map.npy")).expect("there");
+    }
+    run(&["map.npy"], &given[2..]);
+    let table = String::from_utf8(read("out/profiles.csv")).expect("text");
+    assert!(table.starts_with("map,covariate,from,to,cells,log_loss,brier\nmap,range_m,0.0,0.25,1,"), "{table}");
+    assert_eq!(table.lines().count(), 1 + 10 + 11, "all bins");
+    assert!(String::from_utf8(read("out/report.html")).expect("text").contains("Log loss by the range from which"));
+    fs::write(place.path().join("out/profiles.csv"), table.replace("0.25,1,", "0.25,2,")).expect("writable");
+    let (out, err) = place.expect(2, &["report", "out"]);
+    assert!(out.is_empty() && err.contains("profiles.csv: has changed since the run that wrote it"), "{err}");
+}
+
+#[test]
+fn arrays_in_double_precision_are_scored_as_they_are() {
+    let place = Place::new();
+    place.array("truth.npy", 2, &[1.0, 0.0]);
+    // Rounded to single precision, the first is 2e-4 above itself relative to what it lacks of one, and the others tie.
+    let sure = 1.0 - 1.23456e-4;
+    place.put("map.npy", doubles(2, &[sure, 0.25]));
+    let args = [&["map.npy", "--truth", "truth.npy"], &AT[..]].concat();
+    let expected = (-sure.ln() - 0.75_f64.ln()) / 2.0;
+    let squares = ((1.0 - sure) * (1.0 - sure) + 0.0625) / 2.0;
+    assert!((place.value(&args, "log_loss") - expected).abs() < 1e-6);
+    assert!((place.value(&args, "brier") - squares).abs() < 1e-7);
+    place.put("map.npy", doubles(2, &[0.5 + 5e-9, 0.5]));
+    assert!((place.value(&args, "auc") - 1.0).abs() < 1e-12, "the two differ by less than single precision can tell");
+    place.put("map.npy", doubles(2, &[0.19999999999, 0.2]));
+    assert!((place.value(&args, "missed_area") - 0.25).abs() < 1e-12, "below the threshold");
+}
+
+#[test]
+fn what_is_suspicious_is_warned_of() {
+    let place = Place::new();
+    world(&place);
+    place.array("blank.npy", 40, &[f32::NAN; 1200]);
+    let (_, err) = place.expect(0, &["score", "blank.npy", "--truth", "truth.npy"]);
+    assert!(err.starts_with("warning: blank.npy: knows nothing of any cell of the truth"), "{err}");
+    for (order, remedy) in [(&[][..], "with --row-order top"), (&["--row-order", "bottom"], "with --row-order top")] {
+        let picture: Vec<f32> = (0..1200).map(|k| if (39 - k % 40) > 30 || k / 40 < 10 { 0.9 } else { 0.1 }).collect();
+        let upwards: Vec<f32> = picture.chunks(40).rev().flatten().map(|p| f32::from(u8::from(*p > 0.5))).collect();
+        place.array("up.npy", 40, &upwards);
+        place.array("picture.npy", 40, &picture);
+        let (_, err) = place.expect(0, &[&["score", "picture.npy", "--truth", "up.npy"], order].concat());
+        assert!(
+            err.contains("picture.npy: agrees better with its rows in the other order") && err.contains(remedy),
+            "{err}"
+        );
+        let top = place.expect(0, &["score", "picture.npy", "--truth", "up.npy", "--row-order", "top"]);
+        assert_eq!(top.1, "", "the remedy is one");
+    }
 }

@@ -9,7 +9,7 @@ use std::io::{self, Write};
 
 use crate::Raster;
 
-pub use read::{Array, NpyError, read, read_from, read_in_full};
+pub use read::{Array, NpyError, read, read_file_in_full, read_from, read_in_full};
 
 /// Writes a raster as a 2-D float32 array: rows are y, row 0 is the lowest.
 ///

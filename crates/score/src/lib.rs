@@ -51,7 +51,7 @@ pub use metric::Metric;
 pub use pooled::{PROBABILITY_EDGES, ProbabilityBin, probability_bins};
 pub use profile::{ErrorBin, ErrorProfile, LOOK_EDGES, RANGE_EDGES_M, error_profile};
 pub use region::Region;
-pub use resample::{Finer, Resampled, Resampling, meant, resample};
+pub use resample::{Finer, Resampled, Resampling, Share, meant, resample};
 pub use retention::Retention;
 pub use scorer::Scorer;
 pub use scores::Scores;

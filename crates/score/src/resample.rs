@@ -45,6 +45,24 @@ pub struct Resampled {
     pub how: Resampling,
 }
 
+/// A share of occupancy as files hold it.
+pub trait Share: Copy {
+    /// The share that is meant, from 0 to 1.
+    fn meant(self) -> f64;
+}
+
+impl Share for f32 {
+    fn meant(self) -> f64 {
+        meant(self)
+    }
+}
+
+impl Share for f64 {
+    fn meant(self) -> f64 {
+        self
+    }
+}
+
 /// What a point meets.
 enum Met {
     Outside,
@@ -93,13 +111,18 @@ fn same(a: &Frame, b: &Frame) -> bool {
 ///
 /// # Errors
 /// Memory that the system does not give.
-pub fn resample(map: &Raster<Option<f32>>, from: &Frame, onto: &Frame, finer: Finer) -> Result<Resampled, NoMemory> {
+pub fn resample<S: Share>(
+    map: &Raster<Option<S>>,
+    from: &Frame,
+    onto: &Frame,
+    finer: Finer,
+) -> Result<Resampled, NoMemory> {
     let how = Resampling::of(from, onto, finer);
     let mut occupancy = Raster::try_filled(onto.spec, f64::NAN)?;
     let mut outside = Raster::try_filled(onto.spec, false)?;
     if how == Resampling::CellByCell {
         for (to, from) in occupancy.values_mut().iter_mut().zip(map.values()) {
-            *to = from.map_or(f64::NAN, meant);
+            *to = from.map_or(f64::NAN, S::meant);
         }
         return Ok(Resampled { occupancy, outside, how });
     }
@@ -121,7 +144,13 @@ pub fn resample(map: &Raster<Option<f32>>, from: &Frame, onto: &Frame, finer: Fi
 }
 
 /// What the points of a cell meet together.
-fn gathered(map: &Raster<Option<f32>>, to_map: &CellsToCells, corner: [f64; 2], offsets: &[f64], finer: Finer) -> Met {
+fn gathered<S: Share>(
+    map: &Raster<Option<S>>,
+    to_map: &CellsToCells,
+    corner: [f64; 2],
+    offsets: &[f64],
+    finer: Finer,
+) -> Met {
     let (mut outside, mut known, mut sum, mut greatest) = (0_usize, 0_usize, 0.0, 0.0_f64);
     for v in offsets {
         for u in offsets {
@@ -146,13 +175,13 @@ fn gathered(map: &Raster<Option<f32>>, to_map: &CellsToCells, corner: [f64; 2], 
 }
 
 /// The cell in which a point lies, a border belonging to the cell above and to the right; within rounding of one, no worse.
-fn met(map: &Raster<Option<f32>>, [u, v]: [f64; 2]) -> Met {
+fn met<S: Share>(map: &Raster<Option<S>>, [u, v]: [f64; 2]) -> Met {
     let spec = map.spec();
     let (column, row) = ((u + 1e-9).floor(), (v + 1e-9).floor());
     if column < 0.0 || row < 0.0 || column >= spec.width as f64 || row >= spec.height as f64 {
         return Met::Outside;
     }
-    map[spec.index(column as usize, row as usize)].map_or(Met::Unknown, |share| Met::Share(meant(share)))
+    map[spec.index(column as usize, row as usize)].map_or(Met::Unknown, |share| Met::Share(share.meant()))
 }
 
 /// The share that a file in single precision means: 0.8 is not 0.800000011920929, which lies above a threshold of 0.8. Six decimals
@@ -232,6 +261,15 @@ mod tests {
         let straight = Frame::straight(spec(1.0, [0.0; 2], 2, 3));
         let resampled = resample(&map, &turned, &straight, Finer::Mean).expect("memory");
         assert_eq!(shown(&resampled), ["40 10", "50 20", "60 30"]);
+    }
+
+    #[test]
+    fn double_precision_is_taken_as_it_is() {
+        let frame = Frame::straight(spec(0.5, [0.0; 2], 2, 1));
+        let shares = [0.1 + 0.2, 1e-12];
+        let map = Raster::new(frame.spec, shares.map(Some).to_vec());
+        let found = resample(&map, &frame, &frame, Finer::Mean).expect("memory").occupancy;
+        assert_eq!(found.values().iter().map(|p| p.to_bits()).collect::<Vec<_>>(), shares.map(f64::to_bits));
     }
 
     proptest! {

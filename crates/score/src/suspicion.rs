@@ -13,6 +13,12 @@ const PART: usize = 400;
 /// A map that errs by less is not taken for flipped, mean squared error.
 const GOOD: f64 = 0.01;
 
+/// A flip by which the correlation with the truth grows by as much, to at least [`ALIKE`], is one, however sure the map is.
+const GROWS: f64 = 0.1;
+
+/// See [`GROWS`].
+const ALIKE: f64 = 0.4;
+
 /// How near to half a cell an offset must be, cells.
 const NEAR: f64 = 0.1;
 
@@ -37,7 +43,8 @@ pub enum Suspicion {
     },
 }
 
-/// Looks for the two doubts: a flip that halves the error at least, and an offset of half a cell of the map in either direction or both.
+/// Looks for the two doubts: a flip that halves the error at least, or that lessens it and by which map and truth are much more
+/// alike; and an offset of half a cell of the map in either direction or both.
 ///
 /// # Errors
 /// Memory that the system does not give.
@@ -57,7 +64,44 @@ pub fn suspicion(
     Ok(off.then_some(Suspicion::HalfCell { cells }))
 }
 
-/// The flip that halves the error, if one does.
+/// Sums over the cells of which map and truth both know something.
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    cells: f64,
+    share: f64,
+    occupied: f64,
+    both: f64,
+    squared_share: f64,
+    squared_error: f64,
+}
+
+impl Sums {
+    fn add(&mut self, share: f64, occupied: bool) {
+        let truth = f64::from(u8::from(occupied));
+        self.cells += 1.0;
+        self.share += share;
+        self.occupied += truth;
+        self.both += share * truth;
+        self.squared_share += share * share;
+        self.squared_error += (share - truth) * (share - truth);
+    }
+
+    /// Mean squared error; infinite over no cell.
+    fn error(&self) -> f64 {
+        if self.cells > 0.0 { self.squared_error / self.cells } else { f64::INFINITY }
+    }
+
+    /// Pearson's correlation; none where either is the same everywhere.
+    fn correlation(&self) -> f64 {
+        let n = self.cells;
+        let (of_map, of_truth) =
+            (n * self.squared_share - self.share * self.share, n * self.occupied - self.occupied * self.occupied);
+        let common = n * self.both - self.share * self.occupied;
+        if of_map > 1e-9 * n * n && of_truth > 0.0 { common / libm::sqrt(of_map * of_truth) } else { f64::NAN }
+    }
+}
+
+/// The flip by which the map agrees much better, if one does.
 fn flip(map: &Raster<Option<f32>>, to_map: &CellsToCells, truth: &Raster<Option<bool>>) -> Option<Suspicion> {
     let (spec, known) = (map.spec(), truth.spec());
     let [width, height] = [spec.width as f64, spec.height as f64];
@@ -65,7 +109,7 @@ fn flip(map: &Raster<Option<f32>>, to_map: &CellsToCells, truth: &Raster<Option<
         let inside = u >= 0.0 && v >= 0.0 && u < width && v < height;
         inside.then(|| map[spec.index(u as usize, v as usize)])?
     };
-    let (mut sums, mut counts) = ([0.0_f64; 4], [0_usize; 4]);
+    let mut sums = [Sums::default(); 4];
     // No divisor of a row's length, so that all columns are looked at.
     let step = (known.cells() / LOOKS).max(1);
     let step = if known.width.is_multiple_of(step) && step > 1 { step + 1 } else { step };
@@ -75,16 +119,16 @@ fn flip(map: &Raster<Option<f32>>, to_map: &CellsToCells, truth: &Raster<Option<
         let [u, v] = to_map.of([column as f64 + 0.5, row as f64 + 0.5]);
         for (k, point) in [[u, v], [u, height - v], [width - u, v], [width - u, height - v]].into_iter().enumerate() {
             if let Some(share) = at(point) {
-                let error = f64::from(share) - f64::from(u8::from(occupied));
-                sums[k] += error * error;
-                counts[k] += 1;
+                sums[k].add(f64::from(share), occupied);
             }
         }
     }
-    let error = |k: usize| if counts[k] > 0 { sums[k] / counts[k] as f64 } else { f64::INFINITY };
+    let error = |k: usize| sums[k].error();
     let best = (1..4).min_by(|a, b| error(*a).total_cmp(&error(*b)))?;
-    let enough = 2 * counts[best] > counts[0];
-    (enough && error(0) > GOOD && error(best) < 0.5 * error(0)).then(|| Suspicion::Flipped {
+    let enough = 2.0 * sums[best].cells > sums[0].cells && error(0) > GOOD;
+    let [as_it_is, flipped] = [0, best].map(|k| sums[k].correlation());
+    let alike = error(best) < error(0) && flipped > ALIKE && flipped > as_it_is + GROWS;
+    (enough && (alike || error(best) < 0.5 * error(0))).then(|| Suspicion::Flipped {
         rows: best != 2,
         columns: best != 1,
         error: error(0),
@@ -150,6 +194,45 @@ mod tests {
                 }
                 other => panic!("{other:?}, not {expected:?}"),
             }
+        }
+    }
+
+    /// A map of which much is missing, and of which nothing is sure: flipped, its error is not halved.
+    fn poor(cell: usize, occupied: bool) -> Option<f32> {
+        let lot = cell.wrapping_mul(2_654_435_761) % 97;
+        (lot > 30).then(|| if occupied && lot > 50 { 0.55 } else { 0.1 + lot as f32 / 400.0 })
+    }
+
+    #[test]
+    fn a_flip_of_a_poor_map_is_named_too() {
+        let (truth, onto) = room();
+        let spec = onto.spec;
+        let map = |flipped: bool| {
+            let cell = |cell: usize| {
+                let (column, row) = spec.column_row(cell);
+                let from = if flipped { spec.index(column, spec.height - 1 - row) } else { cell };
+                poor(from, truth[from] == Some(true))
+            };
+            Raster::new(spec, (0..spec.cells()).map(cell).collect())
+        };
+        assert_eq!(suspicion((&map(false), &onto), (&truth, &onto)).expect("memory"), None);
+        match suspicion((&map(true), &onto), (&truth, &onto)).expect("memory") {
+            Some(Suspicion::Flipped { rows: true, columns: false, error, flipped }) => {
+                assert!(flipped > 0.5 * error && flipped < error, "{flipped} {error}");
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn an_offset_is_not_taken_for_a_flip() {
+        let (truth, onto) = room();
+        let map = Raster::new(onto.spec, (0..onto.spec.cells()).map(|k| poor(k, truth[k] == Some(true))).collect());
+        for k in 0..169 {
+            let shift = [k % 13, k / 13].map(|step| 0.1 * f64::from(step - 6) * 1.37);
+            let from = onto.moved([0.0; 2], shift, 0.0);
+            let found = suspicion((&map, &from), (&truth, &onto)).expect("memory");
+            assert!(!matches!(found, Some(Suspicion::Flipped { .. })), "{found:?} {shift:?}");
         }
     }
 

@@ -45,6 +45,7 @@ use crate::output::args::Format;
 use crate::output::folder::{Purpose, Staging};
 use crate::output::note;
 use crate::output::record::Record;
+use crate::programs::times;
 use crate::worlds::claims as claim;
 use crate::worlds::faults;
 
@@ -79,6 +80,7 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
         let place = out.join("report.html");
         note(format_args!("{} in {:.0} s", place.display(), start.elapsed().as_secs_f64()));
     }
+    times::tell();
     claim::all_hold(&findings.claims)?;
     faults::none(&without_maps(&findings.worlds))
 }

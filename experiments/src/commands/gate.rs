@@ -33,6 +33,7 @@ use crate::exit;
 use crate::failure::Failure;
 use crate::jobs::interruption;
 use crate::output::{note, single};
+use crate::programs::{times, watcher};
 use crate::worlds::mappers::own as programs;
 
 /// The command line of a program of your own: gates on your mappers and the built-in ones.
@@ -53,7 +54,7 @@ use crate::worlds::mappers::own as programs;
 /// }
 /// ```
 pub fn program(own: &[Entry]) -> ExitCode {
-    exit::code(run_with(&GateOptions::parse(), own))
+    watcher::if_asked().unwrap_or_else(|| exit::code(run_with(&GateOptions::parse(), own)))
 }
 
 /// Runs the gates on the built-in mappers.
@@ -92,6 +93,7 @@ pub fn run_with(options: &GateOptions, own: &[Entry]) -> Result<(), Failure> {
     }
     tables::table(&outcomes).print(options.print.format, || tables::text(&outcomes, &heading))?;
     note(format_args!("{} gates in {:.0} s", outcomes.len(), start.elapsed().as_secs_f64()));
+    times::tell();
     all_pass(&outcomes)
 }
 

@@ -1,6 +1,6 @@
 //! `report DIR`: the page of a folder of results, made anew.
 //!
-//! Numbers come from the folder. The maps that the page shows on the way are no files, so the command that left the
+//! Numbers come from the folder. The maps that a page of worlds shows on the way are no files, so the command that left the
 //! folder simulates the worlds shown again, and must find the numbers that stand in the folder.
 
 use std::io::Write as _;
@@ -21,7 +21,7 @@ use crate::page::Folder;
 /// Options of `report`.
 #[derive(Debug, Args)]
 pub struct ReportOptions {
-    /// Folder that `room` or `compare` left
+    /// Folder that `room`, `compare` or `score` left
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
     /// Page to write [default: report.html in the folder]
@@ -47,10 +47,10 @@ pub fn run(options: &ReportOptions, pages: &[(&str, Renewal)]) -> Result<(), Fai
     }
     let record = folder.record()?;
     let Some(command) = record["command"].as_str() else {
-        return Err(folder.refuse(RECORD, "names no command; give a folder that 'room' or 'compare' left"));
+        return Err(folder.refuse(RECORD, "names no command; give a folder that 'room', 'compare' or 'score' left"));
     };
     let Some((_, renewed)) = pages.iter().find(|(name, _)| *name == command) else {
-        let why = format!("the command {command:?} leaves no page; give a folder of 'room' or 'compare'");
+        let why = format!("the command {command:?} leaves no page; give a folder of 'room', 'compare' or 'score'");
         return Err(folder.refuse(RECORD, &why));
     };
     if let Ledger::Foreign(why) = Ledger::read(folder.path) {

@@ -29,6 +29,7 @@ use crate::output::args::Format;
 use crate::output::folder::{self, Purpose, Staging};
 use crate::output::record::Record;
 use crate::output::{note, warn};
+use crate::programs::times;
 use crate::worlds::claims::{self, Claim};
 use crate::worlds::faults;
 use crate::worlds::run::{Ground, Keep, Trial};
@@ -61,7 +62,7 @@ pub fn run(options: &RoomOptions) -> Result<(), Failure> {
     staging.publish()?;
 
     metrics.print(options.format, || summary::text(&ground, &trials, &stages, &claims))?;
-    programs::tell_times(&trials);
+    times::tell();
     if options.format == Format::Text {
         let place = out.join("report.html");
         note(format_args!("{} in {:.1} s", place.display(), start.elapsed().as_secs_f64()));

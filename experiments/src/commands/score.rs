@@ -2,17 +2,20 @@
 
 mod alignment;
 mod candidate;
+mod document;
 mod driven;
 mod drives;
 mod figures;
 mod options;
 mod outputs;
+mod profiles;
 mod regions;
 mod rows;
 mod scored;
 mod text;
 mod truth;
 
+pub use document::renewed_page;
 pub use options::ScoreOptions;
 
 use std::path::PathBuf;
@@ -96,13 +99,23 @@ fn scored(
         let before = rows::scores(name, &before, truth, regions, options.unknown)?;
         rows.extend(alignment::rows(name, alignment, &before));
     }
-    let warnings = alignment::doubts(candidate, &frame, alignment.as_ref(), truth, options)?;
+    let judged = |cell: &usize| truth.cells[*cell].is_some() && map.known[*cell];
+    let blank = !(0..truth.cells.spec().cells()).any(|cell| judged(&cell));
+    let profiles = profiles::of(&map, truth, regions, options.unknown)?;
+    let mut warnings = alignment::doubts(candidate, &frame, alignment.as_ref(), truth, options)?;
+    if blank {
+        let path = candidate.path.display();
+        warnings.push(format!(
+            "{path}: knows nothing of any cell of the truth, so that --unknown alone decides its scores"
+        ));
+    }
     Ok(ScoredMap {
         name: name.to_owned(),
         how: map.how,
         map,
         assumed: candidate.assumed,
         rows,
+        profiles,
         alignment: alignment.map(|alignment| (candidate.frame, alignment)),
         warnings,
     })

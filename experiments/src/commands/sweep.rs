@@ -33,6 +33,7 @@ use crate::jobs::threads;
 use crate::output::folder;
 use crate::output::note;
 use crate::output::table::{self, Table};
+use crate::programs::times;
 
 /// Does what the options ask for.
 ///
@@ -116,6 +117,7 @@ fn work(manifest: &Manifest, named: Option<&Vec<u32>>, threads: Option<u32>) -> 
         counted(ran.jobs, "job"),
         counted(shards.len() as u64, "shard")
     ));
+    times::tell();
     Ok(())
 }
 

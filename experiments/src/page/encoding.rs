@@ -4,11 +4,12 @@
 //! bytes of equal weight together, deflated (zlib), as base64. Occupancy is kept as log odds in steps
 //! of [`STEP`]; a cell never changes sides of a threshold by that, so that counts of cells are exact.
 
-use std::io::Write as _;
+use std::io::{Read as _, Write as _};
 
 use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
 use flate2::Compression;
+use flate2::read::ZlibDecoder;
 use flate2::write::ZlibEncoder;
 use rayon::prelude::*;
 use score::Region;
@@ -133,7 +134,7 @@ fn code(p: f32) -> i16 {
 }
 
 /// Differences between frames, as `bytes` planes of one byte, deflated, as base64.
-fn block(frames: &[Vec<u32>], bytes: usize) -> String {
+pub(super) fn block(frames: &[Vec<u32>], bytes: usize) -> String {
     let mut planes = ZlibEncoder::new(Vec::new(), Compression::best());
     let mut former = vec![0u32; frames.first().map_or(0, Vec::len)];
     for frame in frames {
@@ -146,6 +147,25 @@ fn block(frames: &[Vec<u32>], bytes: usize) -> String {
         former.clone_from(frame);
     }
     BASE64_STANDARD.encode(planes.finish().unwrap_or_default())
+}
+
+/// The frames of a [`block`] of four bytes a cell; nothing of a text that holds other ones.
+pub(super) fn unblocked(text: &str, frames: usize, cells: usize) -> Option<Vec<Vec<u32>>> {
+    let compressed = BASE64_STANDARD.decode(text).ok()?;
+    let (whole, mut raw) = (4 * cells * frames, Vec::new());
+    ZlibDecoder::new(&*compressed).take(whole as u64 + 1).read_to_end(&mut raw).ok()?;
+    if raw.len() != whole {
+        return None;
+    }
+    let mut former = vec![0u32; cells];
+    let mut next = |planes: &[u8]| {
+        for (cell, value) in former.iter_mut().enumerate() {
+            let change: u32 = (0..4).map(|plane| u32::from(planes[plane * cells + cell]) << (8 * plane)).sum();
+            *value = value.wrapping_add(change);
+        }
+        former.clone()
+    };
+    Some(raw.chunks(4 * cells.max(1)).map(&mut next).collect())
 }
 
 #[cfg(test)]

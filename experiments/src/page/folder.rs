@@ -11,7 +11,8 @@ use serde_json::Value;
 use super::part::Picture;
 use crate::failure::Failure;
 use crate::output::args::{Edges, Law, PriorOptions};
-use crate::output::ledger::RECORD;
+use crate::output::digest;
+use crate::output::ledger::{Ledger, RECORD};
 use crate::output::table::Table;
 
 /// A folder of results to read from.
@@ -26,23 +27,37 @@ impl Folder<'_> {
         Failure::BadInput(format!("{}: {why}", self.path.join(file).display()))
     }
 
-    /// Refuses a folder that programs had a part in: a page is made without starting any.
-    ///
-    /// # Errors
-    /// A folder with programs in its record.
-    pub fn without_programs(&self, programs: &[Value]) -> Result<(), Failure> {
-        let why = "was made with a program (--mapper), and `report` starts none; run the command of the folder again";
-        if programs.is_empty() { Ok(()) } else { Err(self.refuse(RECORD, why)) }
-    }
-
     /// A file of the folder.
     ///
     /// # Errors
     /// A file that cannot be read.
     pub fn read(&self, file: &str) -> Result<Vec<u8>, Failure> {
         fs::read(self.path.join(file)).map_err(|e| {
-            self.refuse(file, &format!("cannot be read: {e}; give a folder that 'room' or 'compare' left whole"))
+            self.refuse(
+                file,
+                &format!("cannot be read: {e}; give a folder that 'room', 'compare' or 'score' left whole"),
+            )
         })
+    }
+
+    /// A file of the folder as the run left it.
+    ///
+    /// # Errors
+    /// A file that cannot be read, that the record does not list, or that somebody has changed.
+    pub fn proved(&self, file: &str) -> Result<Vec<u8>, Failure> {
+        let left = match Ledger::read(self.path) {
+            Ledger::Ours(record) => record.files.into_iter().find(|entry| entry.name == file),
+            _ => None,
+        };
+        let Some(entry) = left else {
+            let why = "is needed for the page, and is not among the files of the record; run the command again";
+            return Err(self.refuse(file, why));
+        };
+        let bytes = self.read(file)?;
+        if entry.sha256 == digest::hex(&digest::sha256(&bytes)) {
+            return Ok(bytes);
+        }
+        Err(self.refuse(file, "has changed since the run that wrote it; run the command again"))
     }
 
     /// What the folder was made from, with the names of all files alone under `files`.
@@ -99,19 +114,39 @@ impl Folder<'_> {
         Ok(())
     }
 
-    /// Refuses a `metrics.csv` whose first rows are not these.
+    /// Refuses a `metrics.csv` whose first rows, but for those of the programs and for columns that are added for them,
+    /// are not these.
     ///
     /// # Errors
     /// The first difference.
-    pub fn same_numbers(&self, csv: &[u8], metrics: &Table) -> Result<(), Failure> {
-        let now = metrics.csv()?;
-        let (was, now) = (String::from_utf8_lossy(csv), String::from_utf8_lossy(&now));
-        let mut lines = was.lines();
-        for (i, now) in now.lines().enumerate() {
-            let was = lines.next().unwrap_or_default();
+    pub fn same_numbers(&self, csv: &[u8], metrics: &Table, programs: &[&str]) -> Result<(), Failure> {
+        let unread = |error: csv::Error| self.refuse("metrics.csv", &format!("is no table: {error}"));
+        let mut reader = csv::Reader::from_reader(csv);
+        let columns = metrics.columns();
+        let heads = reader.headers().map_err(unread)?.clone();
+        let differs = |line: u64, was: &[&str], now: &[&str]| {
+            let (was, now) = (was.join(","), now.join(","));
+            let why = format!("line {line} is {was:?}, but this program finds {now:?}; run the command again");
+            self.refuse("metrics.csv", &why)
+        };
+        let heads: Vec<&str> = heads.iter().take(columns.len()).collect();
+        if heads != columns {
+            return Err(differs(1, &heads, columns));
+        }
+        let mapper = columns.iter().position(|name| *name == "mapper");
+        let mut rows = reader.records();
+        for now in metrics.fields() {
+            let row = loop {
+                let row = rows.next().transpose().map_err(unread)?.unwrap_or_default();
+                let own = mapper.and_then(|mapper| row.get(mapper)).is_some_and(|name| programs.contains(&name));
+                if !own {
+                    break row;
+                }
+            };
+            let was: Vec<&str> = row.iter().take(columns.len()).collect();
             if was != now {
-                let why = format!("line {} is {was:?}, but this program finds {now:?}; run the command again", i + 1);
-                return Err(self.refuse("metrics.csv", &why));
+                let line = row.position().map_or(0, csv::Position::line);
+                return Err(differs(line, &was, &now.iter().map(String::as_str).collect::<Vec<_>>()));
             }
         }
         Ok(())

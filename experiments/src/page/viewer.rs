@@ -43,7 +43,7 @@ pub struct ViewedWorld {
     /// The scene's regions by name; those that follow from rays are in the moments.
     pub regions: Vec<(String, Raster<bool>)>,
     /// Name and unit of the metrics that regions are scored by, in the order of tables.
-    pub metrics: Vec<(&'static str, &'static str)>,
+    pub metrics: Vec<(String, String)>,
     /// The mappers, in the order of tables.
     pub mappers: Vec<Mapped>,
 }
@@ -117,10 +117,10 @@ fn mapped(run: &Run) -> Mapped {
 }
 
 /// Every region has the same metrics.
-fn metrics(trial: &Trial) -> Vec<(&'static str, &'static str)> {
+fn metrics(trial: &Trial) -> Vec<(String, String)> {
     let Some(stage) = trial.runs.first().and_then(|run| run.stages.first()) else { return Vec::new() };
     let first = stage.scores.chunk_by(|a, b| a.region == b.region).next().unwrap_or_default();
-    first.iter().map(|score| (score.metric.name, score.metric.unit)).collect()
+    first.iter().map(|score| (score.metric.name.to_owned(), score.metric.unit.to_owned())).collect()
 }
 
 /// Casts no ray anew: the trial kept the true range of each.

@@ -10,9 +10,11 @@ use super::exchange::Folder;
 use super::fault::Fault;
 use super::kept::last_words;
 use super::process::Process;
+use super::times;
 
 /// Keeps the scans, and starts the program on all of them whenever a map is asked for.
 pub(super) struct Batch {
+    name: &'static str,
     words: &'static [String],
     longest: Duration,
     model: Model,
@@ -22,8 +24,9 @@ pub(super) struct Batch {
 }
 
 impl Batch {
-    pub(super) fn new(words: &'static [String], longest: Duration, model: &Model) -> Self {
+    pub(super) fn new(name: &'static str, words: &'static [String], longest: Duration, model: &Model) -> Self {
         Self {
+            name,
             words,
             longest,
             model: model.clone(),
@@ -53,7 +56,8 @@ impl Mapper for Batch {
     }
 
     fn settle(&mut self) {
-        self.outside = Outside { seconds: self.outside.seconds, ..Outside::default() };
+        let (start, before) = (Instant::now(), self.outside.seconds);
+        self.outside = Outside { seconds: before, ..Outside::default() };
         match self.map() {
             Ok(map) => self.occupancy = map,
             Err(fault) => {
@@ -61,6 +65,7 @@ impl Mapper for Batch {
                 self.outside.fault = Some(told(&fault, &self.outside.stderr));
             }
         }
+        times::add(self.name, start, self.outside.seconds - before);
     }
 
     fn occupancy(&self) -> &Raster<f64> {

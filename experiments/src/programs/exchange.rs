@@ -9,6 +9,7 @@ use mapper::Model;
 use sensor::Scan;
 
 use super::fault::Fault;
+use super::watcher::Watched;
 use super::{described, unique};
 use crate::jobs::interruption::{self, CleanUp};
 
@@ -30,6 +31,7 @@ pub(super) struct Folder {
     path: PathBuf,
     /// Bytes that we have written.
     given: u64,
+    _watched: Watched,
     _clean_up: CleanUp,
 }
 
@@ -41,11 +43,13 @@ impl Folder {
     pub(super) fn make(model: &Model, scans: &[Scan]) -> Result<Self, Fault> {
         let refuse =
             |what: &Path, source| Fault::Exchange { what: format!("{} cannot be written", what.display()), source };
-        let path = free_name();
+        let word = unique();
+        let path = free_name(&word);
         let own = path.clone();
         let clean_up = interruption::clean_up(move || drop(fs::remove_dir_all(&own)));
+        let watched = Watched::folder(&word, &path);
         make_private(&path).map_err(|source| refuse(&path, source))?;
-        let mut folder = Self { path, given: 0, _clean_up: clean_up };
+        let mut folder = Self { path, given: 0, _watched: watched, _clean_up: clean_up };
         let files: [(&str, &Fill); 3] = [
             ("grid.json", &|out| writeln!(out, "{:#}", described::grid(model))),
             ("sensors.json", &|out| writeln!(out, "{:#}", described::sensors(model))),
@@ -112,9 +116,9 @@ fn largest(grid: &GridSpec) -> u64 {
     HEADER + 8 * grid.cells() as u64
 }
 
-fn free_name() -> PathBuf {
+fn free_name(word: &str) -> PathBuf {
     let temporary = std::env::temp_dir();
-    temporary.canonicalize().unwrap_or(temporary).join(format!("sightgrid-{}", unique()))
+    temporary.canonicalize().unwrap_or(temporary).join(format!("sightgrid-{word}"))
 }
 
 /// A folder that was not there before, for nobody else.

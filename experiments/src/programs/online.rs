@@ -11,9 +11,11 @@ use super::batch::told;
 use super::described::{self, SCHEMA_VERSION};
 use super::fault::Fault;
 use super::talk::Talk;
+use super::times;
 
 /// Hands every scan on, and asks for a map whenever one is to be looked at.
 pub(super) struct Online {
+    name: &'static str,
     words: &'static [String],
     longest: Duration,
     model: Model,
@@ -33,8 +35,9 @@ enum State {
 }
 
 impl Online {
-    pub(super) fn new(words: &'static [String], longest: Duration, model: &Model) -> Self {
+    pub(super) fn new(name: &'static str, words: &'static [String], longest: Duration, model: &Model) -> Self {
         Self {
+            name,
             words,
             longest,
             model: model.clone(),
@@ -87,16 +90,19 @@ impl Online {
 
 impl Mapper for Online {
     fn integrate(&mut self, scan: &Scan) {
+        let (start, before) = (Instant::now(), self.outside.seconds);
         let message = message(self.scans, scan, described::reading(&**self.model.sensors.of(scan)));
         self.scans += 1;
         self.behind = true;
         self.with(|talk| talk.say(&message));
+        times::add(self.name, start, self.outside.seconds - before);
     }
 
     fn settle(&mut self) {
         if !std::mem::take(&mut self.behind) {
             return;
         }
+        let (start, before) = (Instant::now(), self.outside.seconds);
         let (mut map, unseen) = (None, self.model.prior.occupancy);
         self.with(|talk| {
             map = Some(talk.map()?);
@@ -106,6 +112,7 @@ impl Mapper for Online {
             let filled = |value: f64| if value.is_nan() { unseen } else { value };
             self.occupancy = Raster::new(self.model.grid, values.into_iter().map(filled).collect());
         }
+        times::add(self.name, start, self.outside.seconds - before);
     }
 
     fn occupancy(&self) -> &Raster<f64> {
@@ -118,7 +125,7 @@ impl Mapper for Online {
 }
 
 /// A scan as a message. A beam without echo, which JSON has no number for, is the text "inf".
-fn message(number: usize, scan: &Scan, reading: &str) -> Value {
+pub(super) fn message(number: usize, scan: &Scan, reading: &str) -> Value {
     let value = |reading: &Option<f64>| match reading {
         Some(value) if value.is_infinite() => json!("inf"),
         other => json!(other),

@@ -87,6 +87,22 @@ impl ProgramOptions {
         Duration::from_secs_f64(self.timeout_s)
     }
 
+    /// The options that a record was made from; nothing is started by that.
+    ///
+    /// # Errors
+    /// A record that was made by hand and names no program.
+    pub fn recorded(records: &[ProgramRecord]) -> Result<Self, Failure> {
+        let refuse =
+            |record: &ProgramRecord, why: String| Failure::BadInput(format!("the program {:?} {why}", record.name));
+        let parse = |record: &ProgramRecord| {
+            Program::parse(&format!("{}={}", record.name, record.command)).map_err(|why| refuse(record, why))
+        };
+        let programs = records.iter().map(parse).collect::<Result<_, _>>()?;
+        let Some(first) = records.first() else { return Ok(Self::default()) };
+        let timeout_s = timeout(&first.timeout_s.to_string()).map_err(|why| refuse(first, why))?;
+        Ok(Self { programs, timeout_s })
+    }
+
     /// The programs as records hold them.
     pub fn record(&self) -> Vec<ProgramRecord> {
         let record = |program: &Program| ProgramRecord {

@@ -3,6 +3,18 @@
 /// Name of the environment variable by which what a program starts is known.
 pub(super) const MARK: &str = "SIGHTGRID_PROGRAM";
 
+/// Kills all processes of the group that a process leads which is not reaped.
+#[cfg(unix)]
+pub(super) fn kill_group(leader: u32) {
+    if let Some(leader) = i32::try_from(leader).ok().and_then(rustix::process::Pid::from_raw) {
+        let _ = rustix::process::kill_process_group(leader, rustix::process::Signal::KILL);
+    }
+}
+
+/// Without process groups no program is started.
+#[cfg(not(unix))]
+pub(super) fn kill_group(_leader: u32) {}
+
 /// Kills every process whose environment holds the mark, again and again until there is none.
 #[cfg(target_os = "linux")]
 pub(super) fn kill(mark: &str) {

@@ -9,7 +9,8 @@ use std::{io, thread};
 
 use super::fault::Fault;
 use super::kept::Drain;
-use super::{orphans, unique};
+use super::watcher::{self, Watched};
+use super::{adopted, orphans, unique};
 use crate::jobs::interruption::{self, CleanUp};
 
 /// How often [`Process::wait`] looks at what a process does meanwhile.
@@ -31,6 +32,7 @@ pub(super) struct Process {
     /// Told when the program has ended; it is not reaped before [`end`](Self::end), so that its number stays its own.
     ended: Receiver<()>,
     mark: String,
+    _watched: Watched,
     stderr: Drain,
     /// Standard output, of a program that is not talked to.
     stdout: Option<Drain>,
@@ -67,21 +69,24 @@ impl Process {
     fn spawn(mut command: Command, name: &str) -> Result<(Self, Option<ChildStdin>, Option<ChildStdout>), Fault> {
         let mark = unique();
         command.env(orphans::MARK, &mark);
+        let charge = Watched::program(&mark);
         let group = Arc::new(Mutex::new(Group::Before));
         let (place, marked) = (Arc::clone(&group), mark.clone());
         let clean_up = interruption::clean_up(move || {
-            end(&place);
+            end(&place, &marked);
             orphans::kill(&marked);
+            adopted::kill();
         });
         let mut locked = lock(&group);
         if matches!(*locked, Group::Over(_)) {
             return Err(Fault::Interrupted);
         }
         let mut child = system::isolate(&mut command)
-            .and_then(|()| command.spawn())
+            .and_then(|()| adopted::spawn(&mut command))
             .map_err(|source| cannot_start(name, source))?;
         let pipes = (child.stdin.take(), child.stdout.take(), child.stderr.take());
         let pid = child.id();
+        watcher::leader(&mark, Some(pid));
         *locked = Group::Running(child);
         drop(locked);
         let (tell, ended) = channel();
@@ -92,11 +97,13 @@ impl Process {
         let drain = pipes.2.map(Drain::of).unwrap_or_else(|| Drain::of(io::empty()));
         match (watched, drain) {
             (Ok(_), Ok(stderr)) => {
-                let process = Self { group, ended, mark, stderr, stdout: None, _clean_up: clean_up };
+                let process = Self { group, ended, mark, _watched: charge, stderr, stdout: None, _clean_up: clean_up };
                 Ok((process, pipes.0, pipes.1))
             }
             (Err(source), _) | (_, Err(source)) => {
-                end(&group);
+                end(&group, &mark);
+                orphans::kill(&mark);
+                adopted::kill();
                 Err(cannot_start(name, source))
             }
         }
@@ -126,8 +133,9 @@ impl Process {
 
     /// Ends the program and all that it has started, if it has not ended; gives how the program ended.
     pub(super) fn end(&self) -> Option<ExitStatus> {
-        let status = end(&self.group);
+        let status = end(&self.group, &self.mark);
         orphans::kill(&self.mark);
+        adopted::kill();
         for drain in [Some(&self.stderr), self.stdout.as_ref()].into_iter().flatten() {
             drain.finish(DRAINED);
         }
@@ -142,8 +150,9 @@ impl Process {
 
 impl Drop for Process {
     fn drop(&mut self) {
-        if end(&self.group).is_some() {
+        if end(&self.group, &self.mark).is_some() {
             orphans::kill(&self.mark);
+            adopted::kill();
         }
     }
 }
@@ -163,11 +172,14 @@ fn lock(group: &Mutex<Group>) -> MutexGuard<'_, Group> {
 }
 
 /// Kills the group as long as its leader is not reaped, and reaps it.
-fn end(group: &Mutex<Group>) -> Option<ExitStatus> {
+fn end(group: &Mutex<Group>, mark: &str) -> Option<ExitStatus> {
     let mut locked = lock(group);
     if let Group::Running(child) = &mut *locked {
-        system::kill(child);
-        *locked = Group::Over(child.wait().ok());
+        orphans::kill_group(child.id());
+        watcher::leader(mark, None);
+        let status = child.wait().ok();
+        adopted::reaped(child.id());
+        *locked = Group::Over(status);
     }
     match &*locked {
         Group::Over(status) => *status,
@@ -198,9 +210,9 @@ fn verdict(status: ExitStatus) -> Result<(), Fault> {
 mod system {
     use std::io;
     use std::os::unix::process::CommandExt as _;
-    use std::process::{Child, Command};
+    use std::process::Command;
 
-    use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, waitid};
+    use rustix::process::{Pid, WaitId, WaitIdOptions, waitid};
 
     /// Gives the program a process group of its own.
     pub(super) fn isolate(command: &mut Command) -> io::Result<()> {
@@ -208,22 +220,11 @@ mod system {
         Ok(())
     }
 
-    /// Kills all processes of the group that the child, which is not reaped, leads.
-    pub(super) fn kill(child: &Child) {
-        if let Some(pid) = pid(child.id()) {
-            let _ = kill_process_group(pid, Signal::KILL);
-        }
-    }
-
     /// Returns when the process has ended, and does not reap it.
     pub(super) fn wait_for_end(number: u32) {
-        let Some(pid) = pid(number) else { return };
+        let Some(pid) = i32::try_from(number).ok().and_then(Pid::from_raw) else { return };
         let wait = || waitid(WaitId::Pid(pid), WaitIdOptions::EXITED | WaitIdOptions::NOWAIT);
         while wait().is_err_and(|error| error == rustix::io::Errno::INTR) {}
-    }
-
-    fn pid(number: u32) -> Option<Pid> {
-        Pid::from_raw(i32::try_from(number).ok()?)
     }
 }
 
@@ -231,13 +232,11 @@ mod system {
 #[cfg(not(unix))]
 mod system {
     use std::io;
-    use std::process::{Child, Command};
+    use std::process::Command;
 
     pub(super) fn isolate(_command: &mut Command) -> io::Result<()> {
         Err(io::Error::new(io::ErrorKind::Unsupported, "programs as mappers need a Unix system"))
     }
-
-    pub(super) fn kill(_child: &Child) {}
 
     pub(super) fn wait_for_end(_number: u32) {}
 }

@@ -70,8 +70,12 @@ impl Program {
         }
         let program: &'static Self = Box::leak(Box::new(self.clone()));
         let build: Box<Build> = match self.mode {
-            Mode::Batch => Box::new(move |model: &Model| Box::new(Batch::new(&program.words, timeout, model))),
-            Mode::Online => Box::new(move |model: &Model| Box::new(Online::new(&program.words, timeout, model))),
+            Mode::Batch => {
+                Box::new(move |model: &Model| Box::new(Batch::new(&program.name, &program.words, timeout, model)))
+            }
+            Mode::Online => {
+                Box::new(move |model: &Model| Box::new(Online::new(&program.name, &program.words, timeout, model)))
+            }
         };
         let entry: &'static Entry = Box::leak(Box::new(Entry {
             name: &program.name,

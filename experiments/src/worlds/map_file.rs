@@ -17,6 +17,8 @@ use crate::output::ledger::RECORD;
 pub(crate) struct MapFile {
     /// Shares of occupancy, none where nothing is known; the place of these cells is `place`.
     pub(crate) occupancy: Raster<Option<f32>>,
+    /// The same in double precision, of an array that single precision does not hold and where it is asked for.
+    pub(crate) in_full: Option<Raster<Option<f64>>>,
     /// Where the cells lie, and the angle of their rows, rad; none for a map that has no place.
     pub(crate) place: Option<(GridSpec, f64)>,
     /// What the file says is occupied and free.
@@ -36,6 +38,8 @@ pub(crate) struct Reading {
     pub(crate) row_order: RowOrder,
     /// Whether the command line has a place, so that the record beside an array is not asked.
     pub(crate) placed: bool,
+    /// Whether arrays are kept in double precision too.
+    pub(crate) in_full: bool,
 }
 
 /// The extension of a file's name, in small letters.
@@ -48,6 +52,14 @@ pub(crate) fn extension(path: &Path) -> String {
 /// # Errors
 /// A file that cannot be read or is no map.
 pub(crate) fn read(path: &Path, reading: Reading) -> Result<MapFile, Failure> {
+    let kind = std::fs::metadata(path).map(|found| found.file_type());
+    let refuse = |what: &str| Err(Failure::BadInput(format!("{}: {what}", path.display())));
+    match kind {
+        Ok(kind) if kind.is_dir() => return refuse("is a folder; name the file of a map in it"),
+        // Would be waited for.
+        Ok(kind) if !kind.is_file() => return refuse("is a pipe or a device; save the map to a file and name that"),
+        _ => {}
+    }
     match extension(path).as_str() {
         "yaml" | "yml" => Ok(of_ros(ros_map::read(path).map_err(ros)?, vec![path.to_owned()])),
         "npy" => of_npy(path, reading),
@@ -66,12 +78,19 @@ pub(crate) fn read(path: &Path, reading: Reading) -> Result<MapFile, Failure> {
 fn of_ros(map: RosMap, mut sources: Vec<PathBuf>) -> MapFile {
     let place = Some((map.spec, map.yaw_rad));
     sources.push(map.image);
-    MapFile { occupancy: map.occupancy, place, thresholds: map.coding.thresholds, sources, warnings: map.warnings }
+    MapFile {
+        occupancy: map.occupancy,
+        in_full: None,
+        place,
+        thresholds: map.coding.thresholds,
+        sources,
+        warnings: map.warnings,
+    }
 }
 
 /// An array lies where the record of its run, in the same folder, has the grid.
 fn of_npy(path: &Path, reading: Reading) -> Result<MapFile, Failure> {
-    let array = npy::read(path).map_err(|error| {
+    let (array, in_full) = arrays(path, reading).map_err(|error| {
         if error.is_io() && path.exists() {
             Failure::Internal(error.to_string())
         } else {
@@ -98,9 +117,22 @@ fn of_npy(path: &Path, reading: Reading) -> Result<MapFile, Failure> {
         sources.push(record);
     }
     let spec = GridSpec { cell_m: 1.0, origin_m: [0.0; 2], width, height };
-    let cells = reading.row_order.apply(array.occupancy, width);
-    let occupancy = Raster::new(spec, cells);
-    Ok(MapFile { occupancy, place, thresholds: Thresholds::default(), sources, warnings: Vec::new() })
+    let occupancy = Raster::new(spec, reading.row_order.apply(array.occupancy, width));
+    let in_full = in_full.map(|array| Raster::new(spec, reading.row_order.apply(array.occupancy, width)));
+    Ok(MapFile { occupancy, in_full, place, thresholds: Thresholds::default(), sources, warnings: Vec::new() })
+}
+
+/// An array in single precision, and where that is asked for and says something else, in double.
+fn arrays(path: &Path, reading: Reading) -> Result<(npy::Array, Option<npy::Array<f64>>), npy::NpyError> {
+    if !reading.in_full {
+        return Ok((npy::read(path)?, None));
+    }
+    let full = npy::read_file_in_full(path)?;
+    let halves = full.occupancy.iter().map(|share| share.map(|share| share as f32)).collect();
+    let single = npy::Array { width: full.width, height: full.height, occupancy: halves };
+    let held = |share: &Option<f64>| share.is_none_or(|share| f64::from(share as f32).to_bits() == share.to_bits());
+    let same = full.occupancy.iter().all(held);
+    Ok((single, (!same).then_some(full)))
 }
 
 /// The grid of a record, if it has one.

@@ -1,7 +1,6 @@
 //! One drive, mapped by several rules from the same readings, and scored at every stage.
 
 use std::sync::{Arc, OnceLock};
-use std::time::Instant;
 
 use grid::Raster;
 use mapper::catalogue::{Entry, Kind};
@@ -84,12 +83,8 @@ pub struct Run {
 }
 
 /// What became of a program that works as a mapper.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct ProgramRun {
-    /// Time in its process, s.
-    pub process_s: f64,
-    /// Time besides, for what is written to it and read from it, s.
-    pub besides_s: f64,
     /// What it wrote to standard error, stage by stage, as far as that is kept.
     pub stderr: Vec<String>,
 }
@@ -317,13 +312,12 @@ impl Walk {
 
     /// One more scan. A batch mapper has a map, and so retention, at the ends of stages only.
     fn step(&mut self, ground: &Ground, now: &Now) -> Result<Option<Moment>, Failure> {
-        let start = Instant::now();
         self.mapper.integrate(now.noise_free.as_ref().filter(|_| self.kind == Kind::NoiseFree).unwrap_or(now.scan));
         let has_map = self.kind != Kind::Batch || now.stages > 0;
         if has_map {
             self.mapper.settle();
         }
-        let fault = self.account(start, now.stages);
+        let fault = self.account(now.stages);
         if !has_map {
             return Ok(None);
         }
@@ -358,11 +352,8 @@ impl Walk {
     }
 
     /// Takes down what became of a program that works for the mapper; gives why there is no map, if there is none.
-    fn account(&mut self, start: Instant, stages: usize) -> Option<String> {
+    fn account(&mut self, stages: usize) -> Option<String> {
         let (program, outside) = (self.run.program.as_mut()?, self.mapper.outside()?);
-        let process_s = outside.seconds - program.process_s;
-        program.process_s = outside.seconds;
-        program.besides_s += (start.elapsed().as_secs_f64() - process_s).max(0.0);
         program.stderr.extend((0..stages).map(|_| outside.stderr.clone()));
         outside.fault.clone()
     }

@@ -5,14 +5,19 @@
 use std::fs;
 use std::io::{self, BufRead as _, Write as _};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Command, ExitCode, Stdio};
 use std::time::Duration;
 
 use serde_json::Value;
 
-fn main() {
+fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let folder = args.last().map(PathBuf::from).unwrap_or_default();
+    if let [serves, mapper] = args.as_slice()
+        && serves == "serves"
+    {
+        return experiments::program(mapper::catalogue::find(mapper).expect("known"));
+    }
     match args.first().map_or("", String::as_str) {
         "prior" => write(&folder, &npy(&folder, "<f8", |_, prior| prior)),
         "prior-f4" => write(&folder, &npy(&folder, "<f4", |_, prior| prior)),
@@ -56,8 +61,23 @@ fn main() {
             leave_behind(&args[1], &["setsid"]);
             write(&folder, &npy(&folder, "<f8", |_, prior| prior));
         }
+        // The same, and nothing in its environment tells where it comes from.
+        "disguises" => {
+            leave_behind(&args[1], &["setsid", "env", "-i"]);
+            write(&folder, &npy(&folder, "<f8", |_, prior| prior));
+        }
         "forks-and-sleeps" => {
             leave_behind(&args[1], &[]);
+            std::thread::sleep(Duration::from_secs(1000));
+        }
+        // A child beyond the group, that heeds nothing that asks it to end.
+        "stays" => {
+            leave_behind(&args[1], &["setsid", "nohup"]);
+            std::thread::sleep(Duration::from_secs(1000));
+        }
+        "online-leaves-and-stays" => {
+            leave_behind(&args[1], &["setsid", "nohup"]);
+            online(|_, _| Answer::Nothing);
             std::thread::sleep(Duration::from_secs(1000));
         }
         "sleeper" => {
@@ -93,6 +113,7 @@ fn main() {
         }
         other => panic!("there is no behaviour {other:?}"),
     }
+    ExitCode::SUCCESS
 }
 
 /// What is done when a map is asked for.

@@ -1,5 +1,6 @@
 //! Occupancy out of NPY files.
 
+use std::fs::File;
 use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
 
@@ -76,10 +77,25 @@ impl NpyError {
 /// # Errors
 /// A file that cannot be read, is no NPY file, ends too early, or holds another shape, type or value.
 pub fn read(path: &Path) -> Result<Array, NpyError> {
+    let (file, length) = opened(path)?;
+    read_from(file, length, path)
+}
+
+/// As [`read`], with float64 as it is.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_file_in_full(path: &Path) -> Result<Array<f64>, NpyError> {
+    let (file, length) = opened(path)?;
+    read_in_full(file, length, path)
+}
+
+/// A file and its length.
+fn opened(path: &Path) -> Result<(BufReader<File>, u64), NpyError> {
     let unreadable = |source| Reader { path }.unreadable(source);
     let file = strict::opened(path).map_err(unreadable)?;
     let length = file.metadata().map_err(unreadable)?.len();
-    read_from(BufReader::new(file), length, path)
+    Ok((BufReader::new(file), length))
 }
 
 /// As [`read_from`], with float64 as it is.

@@ -17,7 +17,7 @@ use crate::failure::Failure;
 use crate::output::args::{Format, ThreadsOption};
 use crate::output::ledger::RECORD;
 use crate::page::{self, Folder};
-use crate::programs::options::ProgramOptions;
+use crate::programs::options::{ProgramOptions, ProgramRecord};
 use crate::worlds::drives::DriveOptions;
 
 /// What the page of a comparison needs of its record.
@@ -34,7 +34,7 @@ struct Configuration {
     batch_seeds: u32,
     mappers: Vec<String>,
     #[serde(default)]
-    programs: Vec<Value>,
+    programs: Vec<ProgramRecord>,
     prior: Prior,
     reconciliation: String,
     #[serde(default)]
@@ -43,19 +43,25 @@ struct Configuration {
     repeated_scans: usize,
 }
 
-/// The page, from the folder's tables; the worlds to look into are mapped again.
+/// The page, from the folder's tables; the worlds to look into are mapped again. Programs are not started: what they
+/// gave is in the folder.
 ///
 /// # Errors
 /// A folder that `compare` did not leave, or whose numbers this program does not find again.
 pub fn page(folder: &Folder, record: &Value) -> Result<String, Failure> {
     let Made { configuration: made } = folder.understand(record)?;
-    folder.without_programs(&made.programs)?;
     let plan = plan(folder, made)?;
     folder.same_configuration(record, &outputs::record(&plan))?;
-    let (viewer, worlds) = showcase::look(&plan)?;
-    for mapper in plan.names() {
+    let programs: Vec<&str> = plan.programs.iter().map(|program| program.name.as_str()).collect();
+    let built_in = Plan {
+        mappers: plan.mappers.iter().copied().filter(|entry| !programs.contains(&entry.name)).collect(),
+        ..plan.clone()
+    };
+    let (mut viewer, worlds) = showcase::look(&built_in)?;
+    for mapper in built_in.names() {
         holds(folder, &outputs::scores_of(mapper), &tables::scores(&worlds, mapper).csv()?)?;
     }
+    page::kept::add(folder, &mut viewer, &programs, &plan.names())?;
     let rows = Rows {
         means: table(folder, "summary.csv")?,
         differences: table(folder, "differences.csv")?,
@@ -76,7 +82,7 @@ fn plan(folder: &Folder, made: Configuration) -> Result<Plan, Failure> {
         seeds: Some(made.seeds),
         batch_seeds: Some(made.batch_seeds),
         mappers: made.mappers,
-        programs: ProgramOptions::default(),
+        programs: ProgramOptions::recorded(&made.programs)?,
         quick: false,
         prior,
         drives: made.drives,
@@ -84,7 +90,13 @@ fn plan(folder: &Folder, made: Configuration) -> Result<Plan, Failure> {
         format: Format::Text,
         threads: ThreadsOption::default(),
     };
-    Ok(Plan { repeats: made.repeats, repeated_scans: made.repeated_scans, ..Plan::new(&options)? })
+    // Programs as they were: their files may have changed since.
+    Ok(Plan {
+        programs: made.programs,
+        repeats: made.repeats,
+        repeated_scans: made.repeated_scans,
+        ..Plan::new(&options)?
+    })
 }
 
 fn table<T: serde::de::DeserializeOwned>(folder: &Folder, name: &str) -> Result<Vec<T>, Failure> {

@@ -8,9 +8,11 @@ use super::judgement::Scope;
 use super::rows::{Repeat, Rows};
 use super::sheets::{repeat_counts, repeated_mean};
 use super::tables::{COVARIATES, pooled_errors, pooled_reliability};
+use super::world::ErrorSum;
 use crate::failure::Failure;
 use crate::figures::chart::{self, Axis, Chart, Mark, Series};
 use crate::figures::ink::{self, FAINT};
+use crate::figures::profiles;
 
 /// Captions, by file name, in the order of the page.
 pub const CAPTIONS: [(&str, &str); 4] = [
@@ -24,10 +26,7 @@ pub const CAPTIONS: [(&str, &str); 4] = [
         "Reliability over all worlds, in all that could be seen: of the cells held occupied with probability p, the share \
          that is. A map that can be taken at its word lies on the diagonal; below it obstacles are imagined, above it missed.",
     ),
-    (
-        "profiles.png",
-        "Log loss against the range from which a cell was seen best, and against the number of rays that looked at it.",
-    ),
+    ("profiles.png", profiles::CAPTION),
     (
         "repeats.png",
         "The same scan again and again: what a robot that stands still makes of noise that does not change. Means over \
@@ -93,44 +92,15 @@ pub fn reliability(findings: &Findings, scope: &Scope, mappers: &[&str]) -> Resu
 /// # Errors
 /// A drawing that fails.
 pub fn profiles(findings: &Findings, scope: &Scope, mappers: &[&str]) -> Result<Vec<u8>, Failure> {
-    let axes = [
-        (
-            "Error against range",
-            Axis::linear("range from which a cell was seen best, m", 0.0..10.0),
-            SeriesLabelPosition::LowerRight,
-        ),
-        (
-            "Error against looks",
-            Axis::logarithmic("rays that looked at a cell", 1.0..1000.0),
-            SeriesLabelPosition::LowerLeft,
-        ),
-    ];
-    let mut charts = Vec::new();
-    for ((_, edges, of), (title, x, legend)) in COVARIATES.into_iter().zip(axes) {
-        let series: Vec<Series> = lines(mappers)
-            .map(|mapper| {
-                let bins = pooled_errors(&findings.worlds, scope, mapper, of);
-                let points = edges.windows(2).zip(&bins).map(|(edge, bin)| (middle(edge, &x), bin.mean_log_loss()));
-                let (colour, mark) = style(mapper);
-                Series { name: mapper.to_owned(), points: points.collect(), mark, colour }
-            })
-            .collect();
-        charts.push(Chart {
-            title: title.to_owned(),
-            x,
-            y: Axis::logarithmic("log loss, nats/cell", 0.003..3.0),
-            bands: Vec::new(),
-            series,
-            legend,
+    let line = |mapper: &str| {
+        let losses = COVARIATES.map(|(_, _, of)| {
+            pooled_errors(&findings.worlds, scope, mapper, of).iter().map(ErrorSum::mean_log_loss).collect()
         });
-    }
-    chart::draw(&charts, (880, 640))
-}
-
-/// Where the point of a bin is drawn; an open bin is drawn as wide as the one before it would go on.
-fn middle(edge: &[f64], axis: &Axis) -> f64 {
-    let to = if edge[1].is_finite() { edge[1] } else { (1.5 * edge[0]).min(axis.range.end) };
-    if axis.logarithmic { libm::sqrt(edge[0].max(0.5) * to) } else { 0.5 * (edge[0] + to) }
+        let (colour, mark) = style(mapper);
+        profiles::Line { name: mapper.to_owned(), colour, mark, losses }
+    };
+    let bounds = profiles::Bounds { range_m: 10.0, losses: 0.003..3.0, size: (880, 640) };
+    profiles::draw(&lines(mappers).map(line).collect::<Vec<_>>(), &bounds)
 }
 
 /// Log loss, and free space held free, against the number of repeats.

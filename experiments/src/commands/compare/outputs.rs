@@ -83,7 +83,8 @@ pub fn scores_of(mapper: &str) -> String {
 
 /// Every file that may come of a plan, beside the record.
 pub fn names(plan: &Plan) -> Vec<String> {
-    FILES.into_iter().map(str::to_owned).chain(plan.names().into_iter().map(scores_of)).collect()
+    let kept = plan.programs.iter().map(|program| page::kept::name(&program.name));
+    FILES.into_iter().map(str::to_owned).chain(plan.names().into_iter().map(scores_of)).chain(kept).collect()
 }
 
 const FILES: [&str; 11] = [
@@ -137,6 +138,7 @@ pub fn write(
     let markdown = document::markdown(plan, claims, &document::sections(plan, rows, &pictures));
     staging.write("summary.md", |out| out.write_all(markdown.as_bytes()))?;
     record.parts.claims.clone_from(claims);
+    plan.programs.iter().try_for_each(|program| page::kept::save(staging, &viewer, &program.name))?;
     let json = record.json(&staging.files_and(&["report.html", RECORD]))?;
     let html = page::page(&document::page(plan, rows, &json, &pictures, viewer)?)?;
     staging.write("report.html", |out| out.write_all(html.as_bytes()))?;

@@ -12,6 +12,7 @@ pub(super) fn read(options: &ConvertOptions) -> Result<MapFile, Failure> {
         shading: options.read_as.unwrap_or_default(),
         row_order: options.row_order.unwrap_or_default(),
         placed: options.resolution.is_some() && options.origin.is_some(),
+        in_full: false,
     };
     Ok(placed(map_file::read(&options.input, reading)?, options))
 }

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use mapper::Prior;
+use mapper::catalogue::Entry;
 use serde::Deserialize;
 use serde_json::Value;
 
@@ -13,7 +14,7 @@ use super::{document, outputs};
 use crate::failure::Failure;
 use crate::output::args::{Format, PriorOptions, ThreadsOption};
 use crate::page::{self, Folder, ViewedWorld, Viewer};
-use crate::programs::options::ProgramOptions;
+use crate::programs::options::{ProgramOptions, ProgramRecord};
 use crate::worlds::drives::DriveOptions;
 use crate::worlds::run::Keep;
 
@@ -32,7 +33,7 @@ struct Configuration {
     seeds: u32,
     mappers: Vec<String>,
     #[serde(default)]
-    programs: Vec<Value>,
+    programs: Vec<ProgramRecord>,
     prior: Prior,
     reconciliation: String,
     #[serde(default)]
@@ -41,44 +42,51 @@ struct Configuration {
 
 impl Made {
     /// The options that lead to the same run.
-    fn options(self, prior: PriorOptions) -> RoomOptions {
-        let Configuration { scene, layout, seeds, mappers, drives, .. } = self.configuration;
+    fn options(self, prior: PriorOptions) -> Result<RoomOptions, Failure> {
+        let Configuration { scene, layout, seeds, mappers, programs, drives, .. } = self.configuration;
         let (seed, grid) = (self.seed, Some(self.grid.cell_m));
-        RoomOptions {
+        Ok(RoomOptions {
             scene,
             layout,
             seed,
             seeds,
             grid,
             mappers,
-            programs: ProgramOptions::default(),
+            programs: ProgramOptions::recorded(&programs)?,
             prior,
             drives,
             out: None,
             format: Format::Text,
             threads: ThreadsOption::default(),
-        }
+        })
     }
 }
 
-/// The page, from the folder's numbers and its first seed.
+/// The page, from the folder's numbers and its first seed. Programs are not started: what they gave is in the folder.
 ///
 /// # Errors
 /// A folder that `room` did not leave, or whose numbers this program does not find again.
 pub fn page(folder: &Folder, record: &Value) -> Result<String, Failure> {
     let made: Made = folder.understand(record)?;
-    folder.without_programs(&made.configuration.programs)?;
     let prior = folder.prior(&made.configuration.prior, &made.configuration.reconciliation)?;
-    let options = made.options(prior);
+    let recorded = made.configuration.programs.clone();
+    let programs: Vec<&str> = recorded.iter().map(|program| program.name.as_str()).collect();
+    let options = made.options(prior)?;
     let plan = RoomPlan::of(&options)?;
     let keep = Keep { timeline: false, frames: plan.frames.clone() };
-    let trial = plan.ground.trial(options.seed, &plan.mappers, &plan.setup, &keep, &|_, _| ())?;
+    let names: Vec<&str> = plan.mappers.iter().map(|entry| entry.name).collect();
+    let built_in: Vec<&Entry> = plan.mappers.iter().copied().filter(|entry| !programs.contains(&entry.name)).collect();
+    let trial = plan.ground.trial(options.seed, &built_in, &plan.setup, &keep, &|_, _| ())?;
     let stages = plan.ground.stages(&trial);
-    folder.same_configuration(record, &Parts::of(&options, &plan.ground, &plan.mappers, &stages, &[]))?;
+    let mut parts = Parts::of(&options, &plan.ground, &plan.mappers, &stages, &[]);
+    parts.configuration.programs.clone_from(&recorded); // as they were: files may have changed since
+    folder.same_configuration(record, &parts)?;
     let csv = folder.read("metrics.csv")?;
-    folder.same_numbers(&csv, &outputs::metrics(&plan.ground, std::slice::from_ref(&trial), &stages))?;
+    let metrics = outputs::metrics(&plan.ground, std::slice::from_ref(&trial), &stages);
+    folder.same_numbers(&csv, &metrics, &programs)?;
     let rows = document::rows(&csv).map_err(|e| folder.refuse("metrics.csv", &e.to_string()))?;
-    let viewer = Viewer { worlds: vec![ViewedWorld::new(&plan.ground, &trial, &stages, &plan.frames)] };
+    let mut viewer = Viewer { worlds: vec![ViewedWorld::new(&plan.ground, &trial, &stages, &plan.frames)] };
+    page::kept::add(folder, &mut viewer, &programs, &names)?;
     let pictures = folder.pictures(record, &document::PICTURES)?;
     page::page(&document::page(&plan.ground, &stages, record, &rows, pictures, viewer)?)
 }

@@ -68,8 +68,9 @@ pub(super) fn names(ground: &Ground, mappers: &[&Entry]) -> Vec<String> {
     let maps = mappers
         .iter()
         .flat_map(|entry| stages().flat_map(|stage| output::map::names(&format!("{}-{stage}", entry.name))));
-    let said = mappers.iter().map(|entry| programs::stderr_file(entry.name));
-    tables.into_iter().chain(pictures).map(str::to_owned).chain(maps).chain(said).collect()
+    let of_programs =
+        mappers.iter().flat_map(|entry| [programs::stderr_file(entry.name), page::kept::name(entry.name)]);
+    tables.into_iter().chain(pictures).map(str::to_owned).chain(maps).chain(of_programs).collect()
 }
 
 /// Writes everything; readings, maps and pictures are those of the first seed.
@@ -102,8 +103,10 @@ pub(super) fn write(
     programs::save_stderr(staging, trials, stages)?;
     let pictures = pictures(staging, ground, first, stages)?;
     let rows = document::rows(&metrics.csv()?).map_err(Failure::internal)?;
-    let json = record.json(&staging.files_and(&["report.html", RECORD]))?;
     let viewer = Viewer { worlds: vec![ViewedWorld::new(ground, first, stages, frames)] };
+    let programs = first.runs.iter().filter(|run| run.program.is_some());
+    programs.map(|run| run.mapper).try_for_each(|program| page::kept::save(staging, &viewer, program))?;
+    let json = record.json(&staging.files_and(&["report.html", RECORD]))?;
     let html = page::page(&document::page(ground, stages, &json, &rows, pictures, viewer)?)?;
     staging.write("report.html", |out| out.write_all(html.as_bytes()))?;
     staging.record(record)

@@ -6,7 +6,6 @@ use std::io::Write as _;
 
 use crate::failure::Failure;
 use crate::output::folder::Staging;
-use crate::output::note;
 use crate::worlds::run::{Run, Stage, Trial};
 
 /// The file for what a program wrote to standard error.
@@ -39,21 +38,4 @@ pub(super) fn faults(trials: &[Trial], stages: &[Stage]) -> Vec<String> {
         .collect()
     };
     trials.iter().flat_map(|trial| trial.runs.iter().flat_map(move |run| of_run(trial.seed, run))).collect()
-}
-
-/// Prints what the programs took, their own time told apart from ours.
-pub(super) fn tell_times(trials: &[Trial]) {
-    let mut times: BTreeMap<&str, [f64; 2]> = BTreeMap::new();
-    for run in trials.iter().flat_map(|trial| &trial.runs) {
-        if let Some(program) = &run.program {
-            let [process, besides] = times.entry(run.mapper).or_default();
-            *process += program.process_s;
-            *besides += program.besides_s;
-        }
-    }
-    for (mapper, [process, besides]) in times {
-        note(format_args!(
-            "{mapper}: {process:.2} s in its process, {besides:.2} s to write to it and to read from it"
-        ));
-    }
 }

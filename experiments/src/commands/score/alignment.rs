@@ -8,7 +8,7 @@ use super::options::{Align, ScoreOptions};
 use super::rows::Row;
 use super::truth::Truth;
 use crate::failure::Failure;
-use crate::worlds::map_file::extension;
+use crate::worlds::map_file::{RowOrder, extension};
 
 /// Moves the map to where it agrees best with the truth, if it is to be moved.
 pub(super) fn best(candidate: &Candidate, truth: &Truth, options: &ScoreOptions) -> Result<Option<Alignment>, Failure> {
@@ -46,7 +46,10 @@ pub(super) fn doubts(
         .map_err(|error| Failure::BadInput(format!("{path}: {error}")))?;
     match doubt {
         Some(Suspicion::Flipped { rows, columns, error, flipped }) => {
-            let order = if options.row_order.is_some() { "without --row-order" } else { "with --row-order top" };
+            let order = match options.row_order {
+                Some(RowOrder::Top) => "with --row-order bottom",
+                Some(RowOrder::Bottom) | None => "with --row-order top",
+            };
             let remedy = match (rows, columns) {
                 (true, false) if extension(&candidate.path) == "npy" => format!("its first row may be another one: score it {order}"),
                 _ => "save it with y upwards and x to the right, or correct the truth".to_owned(),

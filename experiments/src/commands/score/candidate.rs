@@ -16,6 +16,8 @@ pub(super) struct Candidate {
     pub(super) name: String,
     pub(super) path: PathBuf,
     pub(super) shares: Raster<Option<f32>>,
+    /// The same in double precision, where that says something else.
+    in_full: Option<Raster<Option<f64>>>,
     pub(super) frame: Frame,
     /// Whether its file says no place, so that it was given the truth's.
     pub(super) assumed: bool,
@@ -42,6 +44,7 @@ impl Candidate {
             shading: options.read_as.unwrap_or_default(),
             row_order: options.row_order.unwrap_or_default(),
             placed: false,
+            in_full: true,
         };
         let map = map_file::read(path, reading)?;
         let (spec, same) = (*map.occupancy.spec(), |of: &grid::GridSpec| [of.width, of.height]);
@@ -63,6 +66,7 @@ impl Candidate {
             name: name.to_owned(),
             path: path.to_owned(),
             shares: map.occupancy,
+            in_full: map.in_full,
             frame,
             assumed,
             sources: map.sources,
@@ -80,8 +84,12 @@ impl Candidate {
         frame: &Frame,
         options: &ScoreOptions,
     ) -> Result<Scorable, Failure> {
-        let resampled = resample(&self.shares, frame, &truth.frame, options.finer.into())
-            .map_err(|error| Failure::BadInput(format!("{}: {error}", self.path.display())))?;
+        let finer = options.finer.into();
+        let resampled = match &self.in_full {
+            Some(shares) => resample(shares, frame, &truth.frame, finer),
+            None => resample(&self.shares, frame, &truth.frame, finer),
+        };
+        let resampled = resampled.map_err(|error| Failure::BadInput(format!("{}: {error}", self.path.display())))?;
         let judged = truth.cells.values().iter().zip(resampled.outside.values());
         if judged.filter(|(cell, _)| cell.is_some()).all(|(_, outside)| *outside) {
             let at = |frame: &Frame| {

@@ -2,9 +2,8 @@
 
 use score::{Metric, Region};
 
-use super::drives::Drives;
 use super::rows::{Difference, Row};
-use super::scored::{Scored, ScoredMap};
+use super::scored::ScoredMap;
 use crate::page::Sheet;
 use crate::worlds::criteria::{Criterion, criterion};
 use crate::worlds::drives::REGION;
@@ -38,22 +37,21 @@ pub(super) fn differences([own, first]: [&ScoredMap; 2]) -> Vec<Difference> {
     OF_DRIVES.iter().chain(&BY_FOOTPRINT).filter_map(difference).collect()
 }
 
-/// A row per map, and what was driven in words.
-pub(super) fn sheet(scored: &Scored, drives: &Drives) -> Sheet {
+/// A row per map, and what was driven in words; `value` is that of a map, a region and a metric.
+pub(super) fn sheet(maps: &[&str], worded: &str, value: &dyn Fn(&str, &str, &str) -> Option<f64>) -> Sheet {
     let shown: Vec<&Criterion> = OF_DRIVES.iter().chain(&FOUND).filter_map(|metric| criterion(metric)).collect();
-    let row = |map: &ScoredMap| {
-        let value = |c: &&Criterion| {
-            let region = c.region.unwrap_or(Region::All).name();
-            let value = find(&map.rows, region, c.metric).and_then(|metric| metric.value);
+    let row = |map: &&str| {
+        let cell = |c: &&Criterion| {
+            let value = value(map, c.region.unwrap_or(Region::All).name(), c.metric);
             value.map_or_else(|| "-".to_owned(), |value| format!("{value:.*}", c.decimals)).into()
         };
-        [map.name.as_str().into()].into_iter().chain(shown.iter().map(value)).collect()
+        std::iter::once((*map).into()).chain(shown.iter().map(cell)).collect()
     };
     Sheet {
         caption: "Which map may I drive on".to_owned(),
-        note: drives.worded(),
+        note: worded.to_owned(),
         heads: ["map"].into_iter().chain(shown.iter().map(|c| c.title)).map(str::to_owned).collect(),
-        rows: scored.maps.iter().map(row).collect(),
+        rows: maps.iter().map(row).collect(),
     }
 }
 

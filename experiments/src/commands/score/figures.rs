@@ -11,9 +11,10 @@ use crate::figures::chart::{self, Axis, Chart, Mark, Series};
 use crate::figures::ink::{self, FAINT, INK};
 use crate::figures::panel::Panel;
 use crate::figures::png;
+use crate::figures::profiles::{self, Bounds, Line};
 
 /// Captions, by file name, in the order of the page.
-pub(super) const CAPTIONS: [(&str, &str); 2] = [
+pub(super) const CAPTIONS: [(&str, &str); 3] = [
     (
         "errors.png",
         "The truth, every map in the cells of the truth, and its error. Maps: white is free, black occupied, grey unknown. Errors: \
@@ -24,6 +25,7 @@ pub(super) const CAPTIONS: [(&str, &str); 2] = [
         "Reliability over the first region: of the cells held occupied with probability p, the share that is. A map that can be \
          taken at its word lies on the diagonal; below it obstacles are imagined, above it missed.",
     ),
+    ("profiles.png", profiles::CAPTION),
 ];
 
 const WIDTH: usize = 440;
@@ -103,4 +105,22 @@ fn diagram(name: &str, bins: &[Bin]) -> Chart {
         ],
         legend: SeriesLabelPosition::UpperLeft,
     }
+}
+
+/// Error against range and against looks, a line per map.
+///
+/// # Errors
+/// A drawing that fails.
+pub(super) fn profiles(scored: &Scored) -> Result<Vec<u8>, Failure> {
+    let line = |(number, map): (usize, &ScoredMap)| {
+        let losses = map.profiles.as_ref()?.each_ref().map(|bins| bins.iter().map(|bin| bin.log_loss.value).collect());
+        let mark = if number < ink::LINES.len() { Mark::Line } else { Mark::Dashes };
+        Some(Line { name: map.name.clone(), colour: ink::LINES[number % ink::LINES.len()], mark, losses })
+    };
+    let lines: Vec<Line> = scored.maps.iter().enumerate().filter_map(line).collect();
+    let seen =
+        |map: &ScoredMap| map.profiles.as_ref()?[0].iter().rev().find(|bin| bin.brier.support > 0).map(|bin| bin.to);
+    let range_m = scored.maps.iter().filter_map(seen).fold(1.0, f64::max).min(10.0);
+    // From the loss of a cell held for what it is, as sure as a map may be, to that of one held for the contrary.
+    profiles::draw(&lines, &Bounds { range_m, losses: 1e-4..10.0, size: (600, 460) })
 }

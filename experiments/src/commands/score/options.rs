@@ -155,8 +155,9 @@ truth does if it has as many rows and columns.
 truth (align_turn, degrees, counter-clockwise) and then moves (align_x, align_y, m); unaligned_log_loss, unaligned_brier and unaligned_iou are the scores before.
 
 With --scans, maps are scored over what the rays could see, in the regions of `room`: rays are cast without noise in the scene, or in a map up to the first cell that is not known to be free. \
-Without, every known cell of the truth is scored, region `all`, and every occupied cell can be missed (missed_area). Metrics are those of `room` but for \
-retention, which needs a map after every scan; `known` is the share of the region of which the map knows something, `outside` the share beyond its border.
+Log loss and Brier score are told by the range from which cells were seen best, too (`range 1-1.5`, m, the upper end not included), and by the number of rays that \
+looked at them (`looks 4-8`). Without, every known cell of the truth is scored, region `all`, and every occupied cell can be missed (missed_area). Metrics are those of `room` but for \
+retention, which needs the maps after every scan, and a file holds one: of a program that makes them, `room --mapper NAME='online: COMMAND'` tells it. `known` is the share of the region of which the map knows something, `outside` the share beyond its border.
 
 Drives (reached, colliding, detour; region `all`) go between the same pairs of places on every map: places and pairs follow from the truth, where a robot's disc stands clear and a way of at most 30 m joins them, at least 1 m apart. \
 They are planned in the cells of the truth, 8 neighbours, on what the map takes for free, and driven as a disc among the scene's obstacles, or among the occupied cells of a map. reached is the share planned and driven without a collision, \

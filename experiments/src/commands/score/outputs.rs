@@ -1,26 +1,32 @@
 //! The files that `score` leaves behind where `--out` names a folder.
 
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use grid::Raster;
 use serde_json::{Value, json};
 
+use super::document::Tables;
+use super::drives::Drives;
 use super::options::ScoreOptions;
 use super::scored::Scored;
 use super::truth::Truth;
-use super::{driven, drives, figures, rows, text};
+use super::{document, drives, figures, profiles, rows};
 use crate::failure::Failure;
 use crate::output::folder::{Purpose, Staging};
 use crate::output::ledger::RECORD;
 use crate::output::record::Record;
 use crate::output::table::Table;
-use crate::page::{self, Page, Part, Picture, Section, Sheet};
+use crate::page::Picture;
 
 /// What a run means to do with its folder.
 pub(super) fn purpose(sources: &[&PathBuf]) -> Purpose {
     let pictures = figures::CAPTIONS.map(|(name, _)| name);
-    Purpose::new("score", sources, ["metrics.csv", "differences.csv", "report.html"].into_iter().chain(pictures))
+    Purpose::new(
+        "score",
+        sources,
+        ["metrics.csv", "differences.csv", "profiles.csv", "report.html"].into_iter().chain(pictures),
+    )
 }
 
 /// Writes everything.
@@ -31,69 +37,31 @@ pub(super) fn write(
     first_region: &Raster<bool>,
     options: &ScoreOptions,
 ) -> Result<(), Failure> {
-    let metrics = rows::table(&scored.rows());
-    metrics.save(staging, "metrics.csv")?;
-    let differences = rows::differences_table(&scored.differences);
-    if scored.maps.len() > 1 {
-        differences.save(staging, "differences.csv")?;
-    }
+    let mut csv = |name: &str, table: Table| -> Result<Vec<u8>, Failure> {
+        table.save(staging, name)?;
+        table.csv()
+    };
+    let profiles = || scored.maps.iter().filter_map(|map| Some((map.name.as_str(), map.profiles.as_ref()?)));
+    let tables = Tables {
+        metrics: csv("metrics.csv", rows::table(&scored.rows()))?,
+        differences: (scored.maps.len() > 1)
+            .then(|| csv("differences.csv", rows::differences_table(&scored.differences)))
+            .transpose()?,
+        profiles: profiles().next().map(|_| csv("profiles.csv", profiles::table(profiles()))).transpose()?,
+    };
     let pictures = pictures(staging, scored, truth, first_region, options.prior)?;
-    let configuration = configuration(scored, truth, options);
-    let page = Page {
-        title: format!("Maps against {}", name(&options.truth)),
-        lead: LEAD.to_owned(),
-        facts: facts(truth),
-        claims: Vec::new(),
-        viewer: None,
-        sections: vec![
-            section("Scores", SCORES, sheets(scored, &metrics, &differences)),
-            section("Pictures", "", pictures.into_iter().map(Part::Picture).collect()),
-        ],
-        configuration: serde_json::to_string_pretty(&configuration).map_err(Failure::internal)?,
-        files: staging.files_and(&["report.html", RECORD]),
-    };
-    let html = page::page(&page)?;
-    staging.write("report.html", |out| out.write_all(html.as_bytes()))?;
-    staging.record(&Record::new("score", json!({ "configuration": configuration, "grid": truth.frame })))
-}
-
-const LEAD: &str = "Maps of any maker against the truth, on the same cells.";
-const SCORES: &str = "Log loss, Brier score, calibration error (ece), phantom and missed area and collisions are better when lower, the others when higher; a dash \
-    is a metric that is not defined there. Differences are over the cells that both maps are scored on; their intervals are 95 % by a bootstrap of \
-    tiles of this one world, and say nothing of other worlds.";
-
-fn section(heading: &str, lead: &str, parts: Vec<Part>) -> Section {
-    Section { heading: heading.to_owned(), lead: lead.to_owned(), parts }
-}
-
-fn name(path: &Path) -> String {
-    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
-}
-
-fn facts(truth: &Truth) -> String {
     let [free, occupied, unknown] = truth.counts();
-    let spec = &truth.frame.spec;
-    format!(
-        "{} x {} cells of {} m: {free} free, {occupied} occupied, {unknown} not known",
-        spec.width, spec.height, spec.cell_m
-    )
-}
-
-/// What the terminal shows, and everything behind a line.
-fn sheets(scored: &Scored, metrics: &Table, differences: &Table) -> Vec<Part> {
-    let mut parts: Vec<Part> = scored.shown.iter().map(|region| Part::Sheet(text::sheet(scored, region))).collect();
-    let fold = |summary: &str, table: &Table| Part::Fold {
-        summary: summary.to_owned(),
-        open: false,
-        parts: vec![Sheet::of("", table)],
-    };
-    parts.extend(scored.drives.as_ref().map(|drives| Part::Sheet(driven::sheet(scored, drives))));
-    if scored.maps.len() > 1 {
-        let caption = format!("Differences from {}", scored.maps[0].name);
-        parts.push(fold(&caption, differences));
-    }
-    parts.push(fold("Every metric of every region", metrics));
-    parts
+    let parts = json!({
+        "configuration": configuration(scored, truth, options),
+        "grid": truth.frame,
+        "truth": { "free": free, "occupied": occupied, "unknown": unknown },
+        "shown": scored.shown,
+        "driven": scored.drives.as_ref().map(Drives::worded),
+    });
+    let record = Record::new("score", parts);
+    let html = document::page(&record.json(&staging.files_and(&["report.html", RECORD]))?, &tables, pictures)?;
+    staging.write("report.html", |out| out.write_all(html.as_bytes()))?;
+    staging.record(&record)
 }
 
 fn pictures(
@@ -107,6 +75,8 @@ fn pictures(
     for (name, caption) in figures::CAPTIONS {
         let bytes = match name {
             "errors.png" => figures::errors(scored, truth, prior)?,
+            "profiles.png" if scored.maps.iter().any(|map| map.profiles.is_some()) => figures::profiles(scored)?,
+            "profiles.png" => continue,
             _ => figures::reliabilities(scored, truth, mask)?,
         };
         staging.write(name, |out| out.write_all(&bytes))?;

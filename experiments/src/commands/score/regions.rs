@@ -15,6 +15,18 @@ use crate::worlds::reading;
 pub(super) struct Regions {
     pub(super) masks: Vec<(String, Raster<bool>)>,
     pub(super) surface: Raster<bool>,
+    /// From where cells were seen; none without scans.
+    pub(super) seen: Option<Seen>,
+}
+
+/// What the rays of the scans met, without noise.
+pub(super) struct Seen {
+    /// The cells that could be seen.
+    pub(super) observable: Raster<bool>,
+    /// The range from which each cell was seen best, m; infinity of a cell that was not seen.
+    pub(super) nearest_m: Raster<f64>,
+    /// The number of rays that looked at each cell.
+    pub(super) looks: Raster<f64>,
 }
 
 impl Regions {
@@ -22,7 +34,8 @@ impl Regions {
     pub(super) fn whole(truth: &Truth) -> Self {
         let all = truth.cells.map(Option::is_some);
         let surface = truth.cells.map(|cell| *cell == Some(true));
-        Self { masks: std::iter::once((Region::All.name().to_owned(), all)).chain(named(truth)).collect(), surface }
+        let masks = std::iter::once((Region::All.name().to_owned(), all)).chain(named(truth)).collect();
+        Self { masks, surface, seen: None }
     }
 
     /// What the rays of a log could see, cast without noise in the truth, and what the scene names.
@@ -63,7 +76,10 @@ impl Regions {
             )));
         }
         let by_rays = Region::ALL.map(|region| (region.name().to_owned(), sightings.mask(region)));
-        Ok(Self { masks: by_rays.into_iter().chain(named(truth)).collect(), surface: sightings.surface().clone() })
+        let masks = by_rays.into_iter().chain(named(truth)).collect();
+        let (nearest_m, looks) = (sightings.nearest_m().clone(), sightings.looks().map(|looks| f64::from(*looks)));
+        let seen = Some(Seen { observable, nearest_m, looks });
+        Ok(Self { masks, surface: sightings.surface().clone(), seen })
     }
 
     /// The cells of the first region that the terminal shows.

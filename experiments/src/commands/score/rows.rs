@@ -96,7 +96,7 @@ pub(super) fn differences(
 }
 
 /// The cells of a region that all of some maps are scored on, where these are not all.
-fn scored_cells(mask: &Raster<bool>, maps: &[&Scorable], unknown: Unknown) -> Option<Raster<bool>> {
+pub(super) fn scored_cells(mask: &Raster<bool>, maps: &[&Scorable], unknown: Unknown) -> Option<Raster<bool>> {
     if unknown != Unknown::Skip {
         return None;
     }

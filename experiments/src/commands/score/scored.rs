@@ -5,6 +5,7 @@ use score::{Alignment, Resampling};
 
 use super::candidate::Scorable;
 use super::drives::Drives;
+use super::profiles::{self, Profiles};
 use super::rows::{Difference, Row};
 
 /// What was found of a map.
@@ -15,6 +16,8 @@ pub(super) struct ScoredMap {
     /// Whether it has no place of its own.
     pub(super) assumed: bool,
     pub(super) rows: Vec<Row>,
+    /// Where it errs, if scans say from where cells were seen.
+    pub(super) profiles: Option<Profiles>,
     /// Where its file says that it lies, and how it was moved.
     pub(super) alignment: Option<(Frame, Alignment)>,
     pub(super) warnings: Vec<String>,
@@ -33,6 +36,10 @@ pub(super) struct Scored {
 impl Scored {
     /// The rows of all maps.
     pub(super) fn rows(&self) -> Vec<Row> {
-        self.maps.iter().flat_map(|map| map.rows.iter().cloned()).collect()
+        let of = |map: &ScoredMap| {
+            let profiles = map.profiles.iter().flat_map(|found| profiles::rows(&map.name, found));
+            map.rows.iter().cloned().chain(profiles).collect::<Vec<_>>()
+        };
+        self.maps.iter().flat_map(of).collect()
     }
 }

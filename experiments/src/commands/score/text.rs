@@ -6,7 +6,7 @@ use score::{Resampling, Tiles};
 
 use super::options::{ScoreOptions, Unknown};
 use super::rows::{Difference, Row};
-use super::scored::{Scored, ScoredMap};
+use super::scored::Scored;
 use super::truth::Truth;
 use super::{alignment, driven};
 use crate::output::table::{aligned, wrapped};
@@ -20,7 +20,7 @@ const WIDTH: usize = 80;
 const NAME: usize = 17;
 
 /// What stands in the table: heading, metric, decimals.
-const COLUMNS: [(&str, &str, usize); 8] = [
+pub(super) const COLUMNS: [(&str, &str, usize); 8] = [
     ("log loss", "log_loss", 3),
     ("Brier", "brier", 4),
     ("ECE", "ece", 3),
@@ -35,7 +35,7 @@ const COLUMNS: [(&str, &str, usize); 8] = [
 const DIFFERENCES: [&str; 5] = ["log_loss", "brier", "iou", "phantom_area", "missed_area"];
 
 /// What the regions of a table are called.
-fn title(region: &str) -> String {
+pub(super) fn title(region: &str) -> String {
     match region {
         "all" => "All known cells".to_owned(),
         "observable" => "All that could be seen".to_owned(),
@@ -76,7 +76,12 @@ pub(super) fn text(scored: &Scored, truth: &Truth, options: &ScoreOptions) -> St
         text += &aligned(&heads, &rows);
     }
     if let Some(drives) = &scored.drives {
-        text += &driven(&driven::sheet(scored, drives));
+        let maps: Vec<&str> = scored.maps.iter().map(|map| map.name.as_str()).collect();
+        let value = |map: &str, region: &str, metric: &str| {
+            let of_map = scored.maps.iter().find(|scored| scored.name == map)?;
+            find(&of_map.rows, region, metric)?.metric.value
+        };
+        text += &driven(&driven::sheet(&maps, &drives.worded(), &value));
     }
     if scored.maps.len() > 1 {
         text += &differences(&scored.differences, &scored.maps[0].name, &scored.shown[0], &Tiles::of(spec));
@@ -94,22 +99,6 @@ fn driven(sheet: &Sheet) -> String {
     };
     let rows: Vec<Vec<String>> = sheet.rows.iter().map(cells).collect();
     format!("\n{}\n{}{}\n", sheet.caption, aligned(&heads, &rows), wrapped(&sheet.note, WIDTH).join("\n"))
-}
-
-/// The table of a region, for a page.
-pub(super) fn sheet(scored: &Scored, region: &str) -> Sheet {
-    let heads = ["map"].into_iter().chain(COLUMNS.iter().map(|column| column.0)).map(str::to_owned).collect();
-    let cells = |map: &ScoredMap| {
-        let mut cells = row(&map.name, &map.rows, region);
-        cells[0].clone_from(&map.name);
-        cells.into_iter().map(Cell::from).collect()
-    };
-    Sheet {
-        caption: title(region),
-        note: "areas in m²".to_owned(),
-        heads,
-        rows: scored.maps.iter().map(cells).collect(),
-    }
 }
 
 /// Adds a paragraph in lines of the terminal's width, the second and later ones indented.

@@ -4,6 +4,7 @@ use grid::Raster;
 use score::{LOOK_EDGES, RANGE_EDGES_M, Region, error_profile};
 
 use crate::failure::Failure;
+use crate::worlds::bins::ends;
 use crate::worlds::run::{Ground, Trial};
 
 /// What stands for a region per bin of range and number of looks.
@@ -41,7 +42,7 @@ pub fn range_by_looks(ground: &Ground, trial: &Trial, map: &Raster<f64>) -> Resu
         for (bin, looks) in profile.bins.iter().zip(LOOK_EDGES.windows(2)) {
             if bin.log_loss.support > 0 {
                 bins.push(Bin {
-                    name: format!("range {} looks {}", ends(range), ends(looks)),
+                    name: format!("range {} looks {}", ends([range[0], range[1]]), ends([looks[0], looks[1]])),
                     cells: bin.log_loss.support,
                     errors: [bin.log_loss.value, bin.brier.value],
                 });
@@ -49,8 +50,4 @@ pub fn range_by_looks(ground: &Ground, trial: &Trial, map: &Raster<f64>) -> Resu
         }
     }
     Ok(bins)
-}
-
-fn ends(edges: &[f64]) -> String {
-    if edges[1].is_finite() { format!("{}-{}", edges[0], edges[1]) } else { format!("{}-", edges[0]) }
 }

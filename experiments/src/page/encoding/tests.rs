@@ -1,6 +1,3 @@
-use std::io::Read as _;
-
-use flate2::read::ZlibDecoder;
 use grid::{GridSpec, Raster};
 use proptest::prelude::*;
 use sensor::Pose;
@@ -44,8 +41,14 @@ proptest! {
             let mask = u32::MAX >> (32 - 8 * bytes);
             let text = block(&frames, bytes);
             let mut raw = Vec::new();
-            ZlibDecoder::new(&*BASE64_STANDARD.decode(text).expect("base64")).read_to_end(&mut raw).expect("zlib");
+            ZlibDecoder::new(&*BASE64_STANDARD.decode(&text).expect("base64")).read_to_end(&mut raw).expect("zlib");
             prop_assert_eq!(raw.len(), frames.len() * bytes * 5);
+            if bytes == 4 {
+                prop_assert_eq!(unblocked(&text, frames.len(), 5), Some(frames.clone()));
+                prop_assert_eq!(unblocked(&text, frames.len() + 1, 5), None);
+                prop_assert_eq!(unblocked(&text, frames.len(), 6), (frames.is_empty()).then(Vec::new));
+                prop_assert_eq!(unblocked(&text[..text.len() / 2], frames.len().max(1), 5), None);
+            }
             let mut former = [0u32; 5];
             for (frame, raw) in frames.iter().zip(raw.chunks(bytes * 5)) {
                 for (cell, former) in former.iter_mut().enumerate() {

@@ -29,7 +29,7 @@ pub enum RowOrder {
 
 impl RowOrder {
     /// The cells of an array in the other order of rows, if need be.
-    pub(crate) fn apply(self, cells: Vec<Option<f32>>, width: usize) -> Vec<Option<f32>> {
+    pub(crate) fn apply<T: Copy>(self, cells: Vec<Option<T>>, width: usize) -> Vec<Option<T>> {
         match self {
             Self::Top => cells.chunks(width).rev().flatten().copied().collect(),
             Self::Bottom => cells,
