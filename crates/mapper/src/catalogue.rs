@@ -161,7 +161,7 @@ pub const MAPPERS: &[Entry] = &[
     },
     Entry {
         name: "tsdf-tuned",
-        summary: "the same with truncation, weights and range fitted on the tuning scenes",
+        summary: "the same with truncation and weights fitted on the tuning scenes",
         source: "Curless and Levoy 1996, fitted",
         kind: Kind::Online,
         build: &|model| Box::new(SignedDistances::new(model, SignedDistance::TUNED.tuned(&model.tuning))),

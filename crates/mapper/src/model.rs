@@ -22,7 +22,7 @@ pub struct Model {
     pub reconciliation: Reconciliation,
     /// Parameters of the rules that are not as published or fitted.
     pub tuning: Tuning,
-    /// Readings beyond this are thrown away before any rule sees them, m; infinite where all are used. What a rule does about far readings
+    /// Readings beyond this, of a camera its depth, are thrown away before any rule sees them, m; infinite where all are used. What a rule does about far readings
     /// of its own comes after that.
     pub max_range_m: f64,
 }

@@ -67,6 +67,7 @@ pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
     let setup = Model {
         prior: options.prior.prior(),
         reconciliation: options.prior.reconciliation(),
+        max_range_m: options.map_range.unwrap_or(f64::INFINITY),
         ..Model::new(grid, sensor)
     };
     let bytes = memory::of_mapping(&setup.grid, &entries, &setup, 1) + memory::besides(&setup.grid);

@@ -55,7 +55,8 @@ impl ContinuousRay {
     };
 
     /// What the `tune` command finds best on the tuning scenes, which are not the scenes that results are reported on.
-    pub const TUNED: Self = Self { sigma_bins: 0.5, start: 0.1, clamp: [0.02, 0.5], ..Self::WAVEMAP };
+    pub const TUNED: Self =
+        Self { sigma_cells: 2.0, scaling_occupied: 0.8, start: 0.1, clamp: [0.01, 0.5], ..Self::WAVEMAP };
 
     /// The rule with the values given.
     pub fn tuned(self, tuning: &Tuning) -> Self {
@@ -67,15 +68,14 @@ impl ContinuousRay {
         mapper: "wavemap-tuned",
         built_in: || Candidate::of(Self::TUNED),
         tried: || {
-            let sigmas = [(0.5, 0.0), (1.0, 0.0), (2.0, 0.0), (0.5, 0.25), (0.5, 0.5), (0.5, 1.0)];
+            let sigmas = [(0.5, 0.0), (1.0, 0.0), (2.0, 0.0), (4.0, 0.0), (0.5, 0.25), (0.5, 0.5)];
             let sized = sigmas.map(|(sigma_cells, sigma_bins)| Self { sigma_cells, sigma_bins, ..Self::WAVEMAP });
             let scaled = |rule: Self| {
-                let free = move |scaling_free| Self { scaling_free, ..rule };
-                let both = |rule: Self| [0.1, 0.2, 0.4, 0.8].map(|scaling_occupied| Self { scaling_occupied, ..rule });
-                [0.05, 0.1, 0.2, 0.4].map(free).into_iter().flat_map(both)
+                let scalings = [[0.1, 0.4], [0.2, 0.4], [0.2, 0.8], [0.3, 0.9], [0.4, 0.8]];
+                scalings.map(|[scaling_free, scaling_occupied]| Self { scaling_free, scaling_occupied, ..rule })
             };
             let started = |rule: Self| {
-                let clamps = [[0.01, 0.4], [0.03, 0.4], [0.03, 0.7]].map(|clamp| Self { start: 0.1, clamp, ..rule });
+                let clamps = [[0.005, 0.5], [0.01, 0.5], [0.01, 0.7]].map(|clamp| Self { start: 0.1, clamp, ..rule });
                 clamps.into_iter().chain([rule])
             };
             let rules = sized.into_iter().flat_map(scaled).flat_map(started);
@@ -99,6 +99,9 @@ impl ContinuousRay {
         log_odds(0.5 + moved * if moved < 0.0 { self.scaling_free } else { self.scaling_occupied })
     }
 }
+
+/// Up to so many sigma in front of the reading, all is free.
+const FRONT: f64 = 3.0;
 
 /// From so many sigma behind the reading on, nothing is said.
 const BEHIND: f64 = 6.0;
@@ -165,12 +168,14 @@ impl ContinuousRays {
         let far_m = until_m / libm::cos(wedge.half_rad[0].max(wedge.half_rad[1]));
         let [first, second] = wedge.ends(far_m);
         let (spec, rule) = (*self.map.spec(), self.rule);
+        let free = rule.update(f64::NEG_INFINITY);
         cells_of_triangle(&spec, [wedge.ray.origin_m, first, second], |cell| {
             let [x, y] = spec.centre(cell);
             let offset = [x - from_x, y - from_y];
             let distance_m = libm::hypot(offset[0], offset[1]);
             if distance_m <= until_m && wedge.holds(offset) {
-                self.map.add(cell, rule.update((distance_m - range_m) / sigma_m));
+                let ahead_sigmas = (distance_m - range_m) / sigma_m;
+                self.map.add(cell, if ahead_sigmas < -FRONT { free } else { rule.update(ahead_sigmas) });
                 self.cells += 1;
             }
         });
@@ -199,6 +204,10 @@ impl Mapper for ContinuousRays {
 
     fn fork(&self) -> Option<Box<dyn Mapper>> {
         Some(Box::new(self.clone()))
+    }
+
+    fn leaves_out(&self) -> bool {
+        true
     }
 
     fn work(&self) -> Work {

@@ -43,10 +43,10 @@ pub struct HitCount {
 
 impl HitCount {
     /// GMapping: a hit is one visit, one visit suffices, a quarter of hits is occupied.
-    pub const GMAPPING: Self = Self { visits_of_a_hit: 1, too_few: 0, threshold: 0.25, shares: [0.02, 0.3] };
+    pub const GMAPPING: Self = Self { visits_of_a_hit: 1, too_few: 0, threshold: 0.25, shares: [0.03, 0.6] };
 
     /// Karto and slam_toolbox: the cell of the end is on the line that passes and is then passed and hit once more.
-    pub const KARTO: Self = Self { visits_of_a_hit: 2, too_few: 2, threshold: 0.1, shares: [0.02, 0.3] };
+    pub const KARTO: Self = Self { visits_of_a_hit: 2, too_few: 2, threshold: 0.1, shares: [0.02, 0.4] };
 
     /// What the `tune` command finds best on the tuning scenes, which are not the scenes that results are reported on.
     pub const TUNED: Self = Self { visits_of_a_hit: 1, too_few: 0, threshold: 0.25, shares: [0.02, 0.3] };
@@ -98,8 +98,8 @@ impl HitCount {
 }
 
 const FREE: [f64; 4] = [0.01, 0.02, 0.03, 0.05];
-const OCCUPIED: [f64; 4] = [0.2, 0.3, 0.4, 0.5];
-const THRESHOLDS: [f64; 5] = [0.03, 0.05, 0.1, 0.15, 0.25];
+const OCCUPIED: [f64; 5] = [0.3, 0.4, 0.5, 0.6, 0.7];
+const THRESHOLDS: [f64; 4] = [0.05, 0.1, 0.15, 0.25];
 const TOO_FEW: [u32; 3] = [0, 2, 5];
 
 impl Fitted for HitCount {

@@ -34,7 +34,8 @@ pub struct LogOdds {
     pub start: f64,
     /// Range up to which a beam without echo (a reading of `f64::INFINITY`) is a miss, m; 0 where it changes nothing.
     pub no_echo_m: f64,
-    /// Range beyond which a reading is a miss up to it and hits nothing, m; infinite where every reading counts.
+    /// Range beyond which a reading hits nothing and misses the cells up to it, but for the one that it lies in, m; infinite where
+    /// every reading counts.
     pub max_range_m: f64,
 }
 
@@ -47,7 +48,7 @@ impl LogOdds {
 
     /// The same with `maxrange` of `insertPointCloud`, as the `tune` command finds it best on the tuning scenes, which are not
     /// the scenes that results are reported on. A point beyond it clears its ray up to it (`computeUpdate` in `OccupancyOcTreeBase.hxx`).
-    pub const OCTOMAP_CUT: Self = Self { max_range_m: 1.5, ..Self::OCTOMAP };
+    pub const OCTOMAP_CUT: Self = Self { max_range_m: 4.0, ..Self::OCTOMAP };
 
     /// The defaults of Cartographer's 2D grid: Hess, Kohler, Rapp and Andor, "Real-Time Loop Closure in
     /// 2D LIDAR SLAM", ICRA 2016. A range beyond the largest is a miss of 5 m (`missing_data_ray_length`).
@@ -163,12 +164,14 @@ impl ConstantIncrements {
     fn ends(&self, sensor: &dyn SensorModel, ray: &Ray) -> Option<Ends> {
         let reading = ray.reading?;
         if reading == f64::INFINITY {
-            let ends = Ends { until_m: self.no_echo_m, hit_m: f64::INFINITY };
+            let ends = Ends { until_m: self.no_echo_m, hit_m: f64::INFINITY, spared_m: f64::INFINITY };
             return Some(ends).filter(|ends| ends.until_m > 0.0);
         }
         let point_m = sensor.range_of(reading, ray.bearing_rad)?;
-        let hit_m = if point_m <= self.max_range_m { point_m } else { f64::INFINITY };
-        Some(Ends { until_m: point_m.min(self.max_range_m), hit_m })
+        if point_m <= self.max_range_m {
+            return Some(Ends { until_m: point_m, hit_m: point_m, spared_m: f64::INFINITY });
+        }
+        Some(Ends { until_m: self.max_range_m, hit_m: f64::INFINITY, spared_m: self.max_range_m })
     }
 
     fn occupied(&self, tile: &Tile, place: usize) -> f64 {
@@ -192,30 +195,36 @@ struct Ends {
     until_m: f64,
     /// Range at which a cell is hit, m; infinite if none is.
     hit_m: f64,
+    /// Range at which a cell is left alone, m: the one that a ray that was cut short ends in; infinite if none is.
+    spared_m: f64,
 }
 
 in_lanes! {
-    fn mark<'a>(mapper: &'a mut ConstantIncrements, lines: Lines, ranges: Lanes<f64>) {
-        mark_cells(mapper, lines, &ranges);
+    fn mark<'a>(mapper: &'a mut ConstantIncrements, lines: Lines, hit: Lanes<f64>, spared: Lanes<f64>) {
+        mark_cells(mapper, lines, &hit, &spared);
     }
 }
 
 /// Follows rays to their points, and marks the cells on them.
 #[inline(always)]
-fn mark_cells(mapper: &mut ConstantIncrements, mut lines: Lines, ranges: &Lanes<f64>) {
+fn mark_cells(mapper: &mut ConstantIncrements, mut lines: Lines, hit: &Lanes<f64>, spared: &Lanes<f64>) {
     let ConstantIncrements { map, touched, cells, .. } = mapper;
     while !lines.done() {
         let (cell, alive) = (lines.cell(), lines.alive);
         let step = lines.step();
         *cells += alive.iter().sum::<f64>() as u64;
         for l in (0..LANES).filter(|l| alive[*l] > 0.0) {
+            if step.exit[l] >= spared[l] {
+                *cells -= 1;
+                continue;
+            }
             let (tile, place) = split(cell[l]);
             let here = map.make(tile);
             if !here.touched[place / PATCH] {
                 here.touched[place / PATCH] = true;
                 touched.push(cell[l] - (place % PATCH) as u32);
             }
-            here.seen[place] |= if step.exit[l] >= ranges[l] { HIT } else { MISS };
+            here.seen[place] |= if step.exit[l] >= hit[l] { HIT } else { MISS };
         }
     }
 }
@@ -247,12 +256,12 @@ impl Mapper for ConstantIncrements {
         let rays: Vec<(Ray, Ends)> = scan.rays().filter_map(|ray| Some((ray, self.ends(sensor, &ray)?))).collect();
         for rays in rays.chunks(LANES) {
             let mut lines = Lines::new(self.map.numbering);
-            let mut ranges = [f64::INFINITY; LANES];
+            let (mut hit, mut spared) = ([f64::INFINITY; LANES], [f64::INFINITY; LANES]);
             for (lane, (ray, ends)) in rays.iter().enumerate() {
                 lines.start(lane, ray.origin_m, ray.direction, ends.until_m);
-                ranges[lane] = ends.hit_m;
+                (hit[lane], spared[lane]) = (ends.hit_m, ends.spared_m);
             }
-            mark(self, lines, ranges);
+            mark(self, lines, hit, spared);
         }
         for first in self.touched.drain(..) {
             let (tile, from) = split(first);
@@ -268,6 +277,10 @@ impl Mapper for ConstantIncrements {
 
     fn fork(&self) -> Option<Box<dyn Mapper>> {
         Some(Box::new(self.clone()))
+    }
+
+    fn leaves_out(&self) -> bool {
+        self.max_range_m.is_finite()
     }
 
     fn work(&self) -> Work {
@@ -378,18 +391,20 @@ mod tests {
         }
     }
 
-    /// `insertPointCloud(.., maxrange)`: the cells of `octomap` 1.10 through its Python binding, asked in a row of cells of 5 cm from 0.01 m on
-    /// for one point at 1.51 m and one at 1.2 m.
+    /// `insertPointCloud(.., maxrange = 1.3)` of OctoMap, asked through its Python binding (octomap-python 1.10.0) for a sensor at
+    /// 0.01 m, one point at 1.51 m and then one at 1.21 m: 0.4 in cells 0 to 25, nothing in cell 26; then 0.307692, 0.608696, 0.4 in cells
+    /// 23, 24, 25.
     #[test]
     fn a_point_beyond_the_range_clears_up_to_it_as_the_program_does() {
         let rule = LogOdds { max_range_m: 1.3, ..LogOdds::OCTOMAP };
         let mut mapper = mapper(rule);
         mapper.integrate(&scan(&[10.0])); // 1.51 m: 1.31 m are cleared
         let p = mapper.occupancy().values();
-        assert!(p[..=26].iter().all(|p| (p - 0.4).abs() < 1e-12) && p[27..].iter().all(|p| (p - 0.1).abs() < 1e-12));
+        assert!(p[..26].iter().all(|p| (p - 0.4).abs() < 1e-12) && p[26..].iter().all(|p| (p - 0.1).abs() < 1e-12));
         mapper.integrate(&scan(&[12.5])); // 1.2 m lie within
-        assert!((mapper.occupancy()[24] - after(&[0.4 / 0.6, 0.7 / 0.3])).abs() < 1e-12);
-        assert!((mapper.occupancy()[25] - 0.4).abs() < 1e-12, "behind");
+        for (cell, program) in [(23, 0.307_692), (24, 0.608_696), (25, 0.4), (26, 0.1)] {
+            assert!((mapper.occupancy()[cell] - program).abs() < 1e-6, "{cell}");
+        }
     }
 
     /// Hornung et al. (2013): 0.12 and 0.97.

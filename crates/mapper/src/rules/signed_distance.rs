@@ -47,10 +47,10 @@ pub struct SignedDistance {
 impl SignedDistance {
     /// The defaults of Voxblox: four cells, the square of the depth, 5 m.
     pub const VOXBLOX: Self =
-        Self { truncation_cells: 4.0, weight_power: 2.0, max_range_m: 5.0, width_cells: 1.0, clamp: [0.02, 0.4] };
+        Self { truncation_cells: 4.0, weight_power: 2.0, max_range_m: 5.0, width_cells: 1.0, clamp: [0.005, 0.8] };
 
     /// What the `tune` command finds best on the tuning scenes, which are not the scenes that results are reported on.
-    pub const TUNED: Self = Self { weight_power: 4.0, ..Self::VOXBLOX };
+    pub const TUNED: Self = Self { truncation_cells: 8.0, clamp: [0.005, 0.6], ..Self::VOXBLOX };
 
     /// The rule with the values given.
     pub fn tuned(self, tuning: &Tuning) -> Self {
@@ -60,11 +60,9 @@ impl SignedDistance {
     /// Read-outs of a rule.
     fn read_out(rule: Self) -> impl Iterator<Item = Self> {
         let widths = [0.5, 1.0, 2.0].map(move |width_cells| Self { width_cells, ..rule });
-        widths.into_iter().flat_map(|rule| {
-            let clamps =
-                [0.01, 0.02, 0.03, 0.05].into_iter().flat_map(|low| [0.2, 0.3, 0.4, 0.6].map(|high| [low, high]));
-            clamps.map(move |clamp| Self { clamp, ..rule })
-        })
+        let read = |low| [0.4, 0.6, 0.8, 0.95].map(move |high| [low, high]);
+        let clamps = move || [0.002, 0.005, 0.01].into_iter().flat_map(read);
+        widths.into_iter().flat_map(move |rule| clamps().map(move |clamp| Self { clamp, ..rule }))
     }
 
     /// The read-out of the program's map.
@@ -74,21 +72,20 @@ impl SignedDistance {
         tried: || Candidate::all(Self::read_out(Self::VOXBLOX)),
     };
 
-    /// Truncation, weight and range too.
+    /// Truncation and weight too.
     pub(crate) const FIT: Fit = Fit {
         mapper: "tsdf-tuned",
         built_in: || Candidate::of(Self::TUNED),
         tried: || {
-            let truncated = [2.0, 4.0, 8.0].map(|truncation_cells| Self { truncation_cells, ..Self::VOXBLOX });
-            let weighed = |rule: Self| [2.0, 4.0].map(|weight_power| Self { weight_power, ..rule });
-            let cut = |rule: Self| [3.0, 5.0].map(|max_range_m| Self { max_range_m, ..rule });
-            Candidate::all(truncated.into_iter().flat_map(weighed).flat_map(cut).flat_map(Self::read_out))
+            let truncated = [4.0, 8.0, 16.0].map(|truncation_cells| Self { truncation_cells, ..Self::VOXBLOX });
+            let weighed = |rule: Self| [1.0, 2.0, 4.0].map(|weight_power| Self { weight_power, ..rule });
+            Candidate::all(truncated.into_iter().flat_map(weighed).flat_map(Self::read_out))
         },
     };
 
-    /// Weight of a distance (m) that a ray that reads `range_m` tells, of cells of side `cell_m`.
-    fn weight(&self, range_m: f64, distance_m: f64, cell_m: f64) -> f64 {
-        let (weight, truncation_m) = (libm::pow(range_m, -self.weight_power), self.truncation_cells * cell_m);
+    /// Weight of a distance (m), of cells of side `cell_m`, where it is `weight` in front of the surface.
+    fn weight(&self, weight: f64, distance_m: f64, cell_m: f64) -> f64 {
+        let truncation_m = self.truncation_cells * cell_m;
         let behind = (truncation_m + distance_m) / (truncation_m - cell_m);
         if distance_m < -cell_m { weight * behind.max(0.0) } else { weight }
     }
@@ -189,13 +186,14 @@ impl Mapper for SignedDistances {
                 true => (range_m - truncation_m).clamp(0.0, rule.max_range_m),
                 false => range_m + truncation_m,
             };
+            let weight = libm::pow(range_m, -rule.weight_power);
             self.line.trace(&self.spec, ray.origin_m, ray.direction, until_m);
             for k in 0..self.line.len() {
                 let cell = self.line.cells()[k];
                 let [x, y] = self.spec.centre(cell);
                 let along_m = (x - ray.origin_m[0]) * ray.direction[0] + (y - ray.origin_m[1]) * ray.direction[1];
                 let distance_m = range_m - along_m;
-                self.add(cell, distance_m, rule.weight(range_m, distance_m, cell_m));
+                self.add(cell, distance_m, rule.weight(weight, distance_m, cell_m));
             }
             self.cells += self.line.len() as u64;
         }
@@ -214,6 +212,10 @@ impl Mapper for SignedDistances {
 
     fn fork(&self) -> Option<Box<dyn Mapper>> {
         Some(Box::new(self.clone()))
+    }
+
+    fn leaves_out(&self) -> bool {
+        self.rule.max_range_m.is_finite()
     }
 
     fn work(&self) -> Work {
@@ -320,7 +322,7 @@ mod tests {
                 if !doubtful {
                     let [found, weight] = mapper.state[cell];
                     prop_assert!((found - mean).abs() < 1e-9 && (weight - sum).abs() < 1e-9 * sum.max(1.0), "{cell}");
-                    let p = if sum > 0.0 { 0.02 + 0.38 / (1.0 + ((mean - 0.05) / 0.1).exp()) } else { 0.1 };
+                    let p = if sum > 0.0 { 0.005 + 0.795 / (1.0 + ((mean - 0.05) / 0.1).exp()) } else { 0.1 };
                     prop_assert!((mapper.occupancy()[cell] - p).abs() < 1e-9);
                 }
             }

@@ -15,6 +15,8 @@ pub(crate) struct Wedge {
     pub(crate) ray: Ray,
     /// Angles from the ray to its borders, clockwise and counter-clockwise, rad; above 0.
     pub(crate) half_rad: [f64; 2],
+    /// Unit vectors along them.
+    borders: [[f64; 2]; 2],
 }
 
 /// The rays of a scan in its order, each reaching half way to its neighbours in bearing; the first and the last are as wide to
@@ -35,26 +37,30 @@ pub(crate) fn wedges(scan: &Scan) -> Vec<Wedge> {
         let most = 2.0 * below.min(above);
         [below, above].map(|gap| (0.5 * gap.min(most)).min(WIDEST_RAD))
     };
-    scan.rays().map(|ray| Wedge { ray, half_rad: half(ray.bearing_rad) }).collect()
+    scan.rays().map(|ray| Wedge::new(ray, half(ray.bearing_rad))).collect()
 }
 
 impl Wedge {
-    /// The points of its two borders at a range (m), clockwise and counter-clockwise.
-    pub(crate) fn ends(&self, range_m: f64) -> [[f64; 2]; 2] {
-        let ([clockwise, counter], [x, y]) = (self.half_rad, self.ray.direction);
-        [-clockwise, counter].map(|angle| {
+    fn new(ray: Ray, half_rad: [f64; 2]) -> Self {
+        let ([clockwise, counter], [x, y]) = (half_rad, ray.direction);
+        let borders = [-clockwise, counter].map(|angle| {
             let (sin, cos) = libm::sincos(angle);
-            let [from_x, from_y] = self.ray.origin_m;
-            [from_x + range_m * (x * cos - y * sin), from_y + range_m * (x * sin + y * cos)]
-        })
+            [x * cos - y * sin, x * sin + y * cos]
+        });
+        Self { ray, half_rad, borders }
     }
 
-    /// Whether a direction at a vector from the origin lies between the borders; the counter-clockwise one is outside, so that
-    /// no point belongs to two neighbours.
+    /// The points of its two borders at a range (m), clockwise and counter-clockwise.
+    pub(crate) fn ends(&self, range_m: f64) -> [[f64; 2]; 2] {
+        self.borders.map(|border| [0, 1].map(|axis| self.ray.origin_m[axis] + range_m * border[axis]))
+    }
+
+    /// Whether a vector from the origin points between the borders; the counter-clockwise one is outside, so that no
+    /// point belongs to two neighbours.
     pub(crate) fn holds(&self, [dx, dy]: [f64; 2]) -> bool {
+        let [clockwise, counter] = self.borders.map(|[x, y]| x * dy - y * dx);
         let [x, y] = self.ray.direction;
-        let angle = libm::atan2(x * dy - y * dx, x * dx + y * dy);
-        -self.half_rad[0] <= angle && angle < self.half_rad[1]
+        clockwise >= 0.0 && counter < 0.0 && x * dx + y * dy > 0.0
     }
 }
 

@@ -45,7 +45,7 @@ impl WideningBeams {
     };
 
     /// What the `tune` command finds best on the tuning scenes, which are not the scenes that results are reported on.
-    pub const TUNED: Self = Self { hit: 0.6, miss: 0.45, start: 0.1, clamp: [0.02, 0.4], ..Self::MRPT };
+    pub const TUNED: Self = Self { hit: 0.55, miss: 0.49, start: 0.1, ..Self::MRPT };
 
     /// The rule with the values given.
     pub fn tuned(self, tuning: &Tuning) -> Self {
@@ -63,12 +63,13 @@ impl WideningBeams {
         mapper: "mrpt-widening-tuned",
         built_in: || Candidate::of(Self::TUNED),
         tried: || {
-            let steps = |miss| [0.55, 0.6, 0.7, Self::MRPT.hit].map(move |hit| (miss, hit));
-            let steps = [0.49, 0.47, 0.45, 0.4, Self::MRPT.miss].into_iter().flat_map(steps);
-            let starts = steps.flat_map(|(miss, hit)| [0.1, 0.5].map(|start| Self { hit, miss, start, ..Self::MRPT }));
+            let shipped = [Self::MRPT.miss, Self::MRPT.hit];
+            let steps = [[0.495, 0.53], [0.49, 0.55], [0.48, 0.55], [0.49, 0.6], [0.47, 0.6], [0.45, 0.7], shipped];
+            let starts = steps
+                .into_iter()
+                .flat_map(|[miss, hit]| [0.1, 0.5].map(|start| Self { hit, miss, start, ..Self::MRPT }));
             let clamped = |rule: Self| {
-                [[0.01, 0.4], [0.01, 0.7], [0.03, 0.4], [0.03, 0.7], Self::MRPT.clamp]
-                    .map(|clamp| Self { clamp, ..rule })
+                [[0.005, 0.5], [0.01, 0.5], [0.01, 0.7], Self::MRPT.clamp].map(|clamp| Self { clamp, ..rule })
             };
             Candidate::all(starts.flat_map(clamped))
         },
@@ -83,7 +84,7 @@ impl Fitted for WideningBeams {
 
     fn label(&self) -> String {
         let Self { hit, miss, start, clamp: [low, high], .. } = self;
-        format!("{hit:.2} / {miss:.2} from {start}, {low:.2}..{high:.2}")
+        format!("{hit:.3}/{miss:.3} from {start}, {low:.2}..{high:.2}")
     }
 
     fn mapper(&self, model: &Model) -> Box<dyn Mapper> {
@@ -94,7 +95,8 @@ impl Fitted for WideningBeams {
 /// The mapper with this rule. O(cells of the wedge) per ray.
 ///
 /// Cells are those that the triangle, or its far side, meets. The program walks along the borders of the triangle in whole
-/// cells, which is the same but for cells at the rim, and hits the first cell of a far side that is longer than a cell twice. A beam
+/// cells and fills a row where it enters it, so that it leaves out cells of flat beams; and it hits the first cell of a far side that is
+/// longer than a cell twice. Neither is meant. A beam
 /// without echo clears half as far as the last reading before it in its scan, as in the program; a reading below a cell is not used.
 #[derive(Clone)]
 pub struct WideningBeamsMapper {
@@ -168,6 +170,10 @@ impl Mapper for WideningBeamsMapper {
 
     fn fork(&self) -> Option<Box<dyn Mapper>> {
         Some(Box::new(self.clone()))
+    }
+
+    fn leaves_out(&self) -> bool {
+        self.rule.max_range_m.is_finite()
     }
 
     fn work(&self) -> Work {

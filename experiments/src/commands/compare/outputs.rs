@@ -38,6 +38,8 @@ struct Configuration {
     reference: &'static str,
     prior: Prior,
     reconciliation: Reconciliation,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    max_range_m: Option<f64>,
     repeats: Vec<usize>,
     repeated_scans: usize,
 }
@@ -55,6 +57,7 @@ pub fn record(plan: &Plan) -> Record<Parts> {
         reference: REFERENCE,
         prior: plan.assumed.prior,
         reconciliation: plan.assumed.reconciliation,
+        max_range_m: plan.assumed.max_range_m,
         repeats: plan.repeats.clone(),
         repeated_scans: plan.repeated_scans,
     };

@@ -11,7 +11,7 @@ use super::plan::RoomPlan;
 use super::record::Parts;
 use super::{document, outputs};
 use crate::failure::Failure;
-use crate::output::args::{Format, PriorOptions, ThreadsOption};
+use crate::output::args::{CutOption, Format, PriorOptions, ThreadsOption};
 use crate::page::{self, Folder, ViewedWorld, Viewer};
 use crate::programs::options::ProgramOptions;
 use crate::worlds::run::Keep;
@@ -34,12 +34,13 @@ struct Configuration {
     programs: Vec<Value>,
     prior: Prior,
     reconciliation: String,
+    max_range_m: Option<f64>,
 }
 
 impl Made {
     /// The options that lead to the same run.
     fn options(self, prior: PriorOptions) -> RoomOptions {
-        let Configuration { scene, layout, seeds, mappers, .. } = self.configuration;
+        let Configuration { scene, layout, seeds, mappers, max_range_m, .. } = self.configuration;
         let (seed, grid) = (self.seed, Some(self.grid.cell_m));
         RoomOptions {
             scene,
@@ -50,6 +51,7 @@ impl Made {
             mappers,
             programs: ProgramOptions::default(),
             prior,
+            cut: CutOption { max_range_m },
             out: None,
             format: Format::Text,
             threads: ThreadsOption::default(),

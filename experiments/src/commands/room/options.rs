@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::output::args::{Format, PriorOptions, ThreadsOption, count, positive, trimmed};
+use crate::output::args::{CutOption, Format, PriorOptions, ThreadsOption, count, positive, trimmed};
 use crate::programs::options::ProgramOptions;
 
 /// A million maps in one run is a sweep, not a table with a spread.
@@ -42,6 +42,9 @@ pub struct RoomOptions {
     /// What the mappers assume before the first reading
     #[command(flatten)]
     pub prior: PriorOptions,
+    /// Which readings they see
+    #[command(flatten)]
+    pub cut: CutOption,
     /// Folder for tables, maps, pictures and report, written whole or not at all [default: results/ and the scene's name]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
