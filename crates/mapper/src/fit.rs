@@ -22,8 +22,11 @@ pub struct Candidate {
     pub label: String,
     /// The parameters by name, with their units.
     pub parameters: Vec<(&'static str, Setting)>,
-    build: Arc<dyn Fn(&Model) -> Box<dyn Mapper> + Send + Sync>,
+    build: Arc<Make>,
 }
+
+/// Makes the unseen map.
+type Make = dyn Fn(&Model) -> Box<dyn Mapper> + Send + Sync;
 
 /// The value of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]

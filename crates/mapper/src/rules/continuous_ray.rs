@@ -56,7 +56,7 @@ impl ContinuousRay {
 
     /// What the `tune` command finds best on the tuning scenes, which are not the scenes that results are reported on.
     pub const TUNED: Self =
-        Self { sigma_cells: 2.0, scaling_occupied: 0.8, start: 0.1, clamp: [0.01, 0.5], ..Self::WAVEMAP };
+        Self { sigma_cells: 2.0, scaling_occupied: 0.8, start: 0.1, clamp: [0.002, 0.5], ..Self::WAVEMAP };
 
     /// The rule with the values given.
     pub fn tuned(self, tuning: &Tuning) -> Self {
@@ -68,14 +68,14 @@ impl ContinuousRay {
         mapper: "wavemap-tuned",
         built_in: || Candidate::of(Self::TUNED),
         tried: || {
-            let sigmas = [(0.5, 0.0), (1.0, 0.0), (2.0, 0.0), (4.0, 0.0), (0.5, 0.25), (0.5, 0.5)];
+            let sigmas = [(1.0, 0.0), (2.0, 0.0), (4.0, 0.0), (0.5, 0.5)];
             let sized = sigmas.map(|(sigma_cells, sigma_bins)| Self { sigma_cells, sigma_bins, ..Self::WAVEMAP });
             let scaled = |rule: Self| {
-                let scalings = [[0.1, 0.4], [0.2, 0.4], [0.2, 0.8], [0.3, 0.9], [0.4, 0.8]];
+                let scalings = [[0.1, 0.4], [0.2, 0.8], [0.3, 0.9]];
                 scalings.map(|[scaling_free, scaling_occupied]| Self { scaling_free, scaling_occupied, ..rule })
             };
             let started = |rule: Self| {
-                let clamps = [[0.005, 0.5], [0.01, 0.5], [0.01, 0.7]].map(|clamp| Self { start: 0.1, clamp, ..rule });
+                let clamps = [[0.002, 0.5], [0.005, 0.5], [0.005, 0.7]].map(|clamp| Self { start: 0.1, clamp, ..rule });
                 clamps.into_iter().chain([rule])
             };
             let rules = sized.into_iter().flat_map(scaled).flat_map(started);
@@ -134,7 +134,7 @@ impl Fitted for ContinuousRay {
     fn label(&self) -> String {
         let Self { sigma_cells: cells, sigma_bins: bins, scaling_free: f, scaling_occupied: o, .. } = self;
         let Self { start, clamp: [low, high], .. } = self;
-        format!("{cells}/{bins}, {f}/{o} from {start}, {low:.2}..{high:.2}")
+        format!("{cells}/{bins}, {f}/{o} from {start}, {low:.3}..{high:.2}")
     }
 
     fn mapper(&self, model: &Model) -> Box<dyn Mapper> {

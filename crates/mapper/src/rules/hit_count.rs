@@ -49,7 +49,7 @@ impl HitCount {
     pub const KARTO: Self = Self { visits_of_a_hit: 2, too_few: 2, threshold: 0.1, shares: [0.02, 0.4] };
 
     /// What the `tune` command finds best on the tuning scenes, which are not the scenes that results are reported on.
-    pub const TUNED: Self = Self { visits_of_a_hit: 1, too_few: 0, threshold: 0.25, shares: [0.02, 0.3] };
+    pub const TUNED: Self = Self { visits_of_a_hit: 1, too_few: 10, threshold: 0.1, shares: [0.005, 0.5] };
 
     /// The rule with the values given: the clamps are the two probabilities.
     pub fn tuned(self, tuning: &Tuning) -> Self {
@@ -63,27 +63,24 @@ impl HitCount {
         (visits > u64::from(self.too_few)).then(|| self.shares[usize::from(share() > self.threshold)])
     }
 
-    /// Rules to choose from: those of a program differ in what its words stand for alone.
-    fn tried(rules: &[Self]) -> Vec<Candidate> {
-        let readings = |rule: &Self| {
-            let rule = *rule;
-            FREE.into_iter().flat_map(move |free| OCCUPIED.map(|occupied| Self { shares: [free, occupied], ..rule }))
-        };
-        Candidate::all(rules.iter().flat_map(readings))
+    /// Rules to choose from: what the words of each of some rules stand for.
+    fn tried(rules: &[Self], free: &[f64], occupied: &[f64]) -> Vec<Candidate> {
+        let shares = || free.iter().flat_map(|free| occupied.iter().map(move |occupied| [*free, *occupied]));
+        Candidate::all(rules.iter().flat_map(|rule| shares().map(move |shares| Self { shares, ..*rule })))
     }
 
     /// What GMapping's words stand for.
     pub(crate) const GMAPPING_FIT: Fit = Fit {
         mapper: "hit-count-gmapping",
         built_in: || Candidate::of(Self::GMAPPING),
-        tried: || Self::tried(&[Self::GMAPPING]),
+        tried: || Self::tried(&[Self::GMAPPING], &FREE, &OCCUPIED),
     };
 
     /// What Karto's words stand for.
     pub(crate) const KARTO_FIT: Fit = Fit {
         mapper: "hit-count-karto",
         built_in: || Candidate::of(Self::KARTO),
-        tried: || Self::tried(&[Self::KARTO]),
+        tried: || Self::tried(&[Self::KARTO], &FREE, &OCCUPIED),
     };
 
     /// Thresholds too.
@@ -91,16 +88,15 @@ impl HitCount {
         mapper: "hit-count-tuned",
         built_in: || Candidate::of(Self::TUNED),
         tried: || {
-            let thresholds = |too_few| THRESHOLDS.map(|threshold| Self { too_few, threshold, ..Self::GMAPPING });
-            Self::tried(&TOO_FEW.into_iter().flat_map(thresholds).collect::<Vec<_>>())
+            let thresholds = |too_few| [0.05, 0.1, 0.15].map(|threshold| Self { too_few, threshold, ..Self::GMAPPING });
+            let rules: Vec<Self> = [2, 5, 10, 20].into_iter().flat_map(thresholds).collect();
+            Self::tried(&rules, &[0.005, 0.01, 0.02], &[0.3, 0.4, 0.5])
         },
     };
 }
 
 const FREE: [f64; 4] = [0.01, 0.02, 0.03, 0.05];
 const OCCUPIED: [f64; 5] = [0.3, 0.4, 0.5, 0.6, 0.7];
-const THRESHOLDS: [f64; 4] = [0.05, 0.1, 0.15, 0.25];
-const TOO_FEW: [u32; 3] = [0, 2, 5];
 
 impl Fitted for HitCount {
     fn parameters(&self) -> Vec<(&'static str, Setting)> {

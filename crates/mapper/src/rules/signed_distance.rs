@@ -47,7 +47,7 @@ pub struct SignedDistance {
 impl SignedDistance {
     /// The defaults of Voxblox: four cells, the square of the depth, 5 m.
     pub const VOXBLOX: Self =
-        Self { truncation_cells: 4.0, weight_power: 2.0, max_range_m: 5.0, width_cells: 1.0, clamp: [0.005, 0.8] };
+        Self { truncation_cells: 4.0, weight_power: 2.0, max_range_m: 5.0, width_cells: 1.0, clamp: [0.002, 0.8] };
 
     /// What the `tune` command finds best on the tuning scenes, which are not the scenes that results are reported on.
     pub const TUNED: Self = Self { truncation_cells: 8.0, clamp: [0.005, 0.6], ..Self::VOXBLOX };
@@ -322,7 +322,7 @@ mod tests {
                 if !doubtful {
                     let [found, weight] = mapper.state[cell];
                     prop_assert!((found - mean).abs() < 1e-9 && (weight - sum).abs() < 1e-9 * sum.max(1.0), "{cell}");
-                    let p = if sum > 0.0 { 0.005 + 0.795 / (1.0 + ((mean - 0.05) / 0.1).exp()) } else { 0.1 };
+                    let p = if sum > 0.0 { 0.002 + 0.798 / (1.0 + ((mean - 0.05) / 0.1).exp()) } else { 0.1 };
                     prop_assert!((mapper.occupancy()[cell] - p).abs() < 1e-9);
                 }
             }

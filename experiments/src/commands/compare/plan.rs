@@ -177,8 +177,7 @@ impl Plan {
 }
 
 /// Mappers that stand in no table unless they are named: rules as published of which the table has the fitted ones.
-pub const ON_REQUEST: [&str; 6] =
-    ["hit-count-gmapping", "hit-count-karto", "tsdf", "mrpt-widening", "mrpt-widening-tuned", "wavemap"];
+pub const ON_REQUEST: [&str; 5] = ["hit-count-gmapping", "hit-count-karto", "tsdf", "mrpt-widening", "wavemap"];
 
 fn on_request(entry: &Entry) -> bool {
     ON_REQUEST.contains(&entry.name)
