@@ -144,6 +144,31 @@ fn tables_as_csv_and_json_hold_the_same_rows() {
     assert_eq!(json["rows"][0]["metric"], "log_loss");
 }
 
+/// Every mapper is shown the near readings alone, and the record says so.
+#[test]
+fn far_readings_are_thrown_away_for_every_mapper() {
+    let place = Place::new();
+    let room = |out: &str, more: &[&str]| {
+        let args = ["room", "--scene", "closet.toml", "--out", out, "--mappers", "visibility,conventional,mrf,prior"];
+        place.expect(0, &[&args[..], more].concat());
+        files(&place.path().join(out))
+    };
+    let (all, far) = (room("all", &[]), room("far", &["--max-range", "1000"]));
+    let (near, none) = (room("near", &["--max-range", "1"]), room("none", &["--max-range", "0.001"]));
+    let map = |folder: &BTreeMap<String, Vec<u8>>, mapper: &str| {
+        let name = folder.keys().find(|name| name.starts_with(mapper) && name.ends_with(".npy")).expect("a map");
+        folder[name].clone()
+    };
+    for mapper in ["visibility", "conventional", "mrf"] {
+        assert!(map(&all, mapper) == map(&far, mapper), "{mapper}: nothing is so far");
+        assert!(map(&all, mapper) != map(&near, mapper), "{mapper}");
+    }
+    assert!(map(&none, "visibility") == map(&none, "prior"), "nothing is so near");
+    assert!(all["scans.csv"] == none["scans.csv"], "the readings are what they were");
+    let record = |folder: &BTreeMap<String, Vec<u8>>| String::from_utf8(folder["run.json"].clone()).expect("text");
+    assert!(record(&near).contains("\"max_range_m\": 1.0") && !record(&all).contains("max_range_m"));
+}
+
 #[test]
 fn a_claim_that_does_not_hold_is_exit_code_3_and_says_which() {
     let place = Place::new();
@@ -156,6 +181,9 @@ fn a_claim_that_does_not_hold_is_exit_code_3_and_says_which() {
     // With one of the two mappers there is nothing to judge, and that is said.
     let (_, err) = place.expect(0, &["room", "--scene", "closet.toml", "--out", "o", "--mappers", "visibility"]);
     assert!(err.contains("they are not judged"), "{err}");
+    // Nor where far readings are thrown away, which the claims are not about.
+    let (_, err) = place.expect(0, &["room", "--scene", "closet.toml", "--out", "o", "--max-range", "2"]);
+    assert!(err.contains("with --max-range they are not judged"), "{err}");
     // Without a free cell there is nothing to claim.
     place.edit("radius = 0.3", "radius = 1e-6\nclaims = true");
     let (_, err) = place.expect(2, &["room", "--scene", "closet.toml", "--out", "p"]);
@@ -174,6 +202,9 @@ fn bad_options_are_refused_before_any_work() {
     refused(&["--mappers", "conventional,conventional"], "given twice");
     refused(&["--grid", "0"], "must be a number above 0 and finite");
     refused(&["--grid", "nan"], "must be a number above 0 and finite");
+    for range in ["0", "-2", "inf", "far"] {
+        refused(&["--max-range", range], "--max-range <M>': must be a number above 0 and finite");
+    }
     refused(&["--grid", "-1"], "must be a number above 0 and finite");
     refused(&["--threads", "100000"], "1..=1024");
     refused(&["--prior", "1.5"], "must be a number from 0 to 1");

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
+use experiments::commands::compare::plan::ON_REQUEST;
 use tempfile::TempDir;
 
 use checked::checked;
@@ -90,8 +91,8 @@ fn compare_leaves_every_file_it_promises_and_an_account_of_eighty_columns() {
     assert_eq!(listed, expected.into_iter().filter(|name| *name != "run.json").collect::<Vec<_>>());
     assert_eq!(
         mappers.len(),
-        mapper::catalogue::MAPPERS.len() - 2,
-        "but for its reference and the variant that visibility is anyway"
+        mapper::catalogue::MAPPERS.len() - 2 - ON_REQUEST.len(),
+        "but for its reference, the variant that visibility is anyway, and those on request"
     );
 
     let text = |name: &str| String::from_utf8(found[name].clone()).expect("text");

@@ -305,7 +305,7 @@ fn a_world_that_cannot_be_made_is_a_row() {
 }
 
 /// Every parameter with two values that no default is, and the mapper that minds.
-const VALUES: [(&str, [&str; 2], &str); 47] = [
+const VALUES: [(&str, [&str; 2], &str); 48] = [
     ("size_factor", ["0.8", "1.3"], "visibility"),
     ("width", ["2.5", "3.5"], "visibility"),
     ("height", ["2.5", "3.5"], "visibility"),
@@ -336,6 +336,7 @@ const VALUES: [(&str, [&str; 2], &str); 47] = [
     ("near_misses", ["0.0", "0.25"], "visibility"),
     ("copy_reach", ["1", "15"], "visibility"),
     ("scans", ["2", "4"], "visibility"),
+    ("max_range", ["1.0", "1.5"], "visibility"),
     ("grid", ["0.08", "0.2"], "visibility"),
     ("prior", ["0.05", "0.2"], "visibility"),
     ("correlation", ["0.5", "0.9"], "visibility"),

@@ -7,7 +7,8 @@ use std::fs;
 use std::path::Path;
 
 use assert_cmd::Command;
-use experiments::commands::tune::candidates::{Candidate, Tuned};
+use experiments::commands::tune::candidates::{Tuned, parameters};
+use mapper::{Candidate, Setting};
 use tempfile::TempDir;
 
 use attic::FAMILY;
@@ -37,11 +38,14 @@ fn rows(csv: &[u8]) -> Vec<csv::StringRecord> {
 }
 
 /// The row of a candidate up to its parameters, as in the table.
-fn row_of(tuned: Tuned, candidate: Candidate) -> Vec<String> {
-    let numbers =
-        candidate.parameters().map(|value| value.map_or_else(String::new, |v| serde_json::json!(v).to_string()));
-    let names = [tuned.name().to_owned(), candidate.reconciliation().unwrap_or_default().to_owned()];
-    names.into_iter().chain(numbers).collect()
+fn row_of(tuned: Tuned, candidate: &Candidate) -> Vec<String> {
+    let value = |name: &&str| match candidate.get(name) {
+        Some(Setting::Number(number)) if number == f64::INFINITY => "inf".to_owned(),
+        Some(Setting::Number(number)) => serde_json::json!(number).to_string(),
+        Some(Setting::Word(word)) => word.to_owned(),
+        None => String::new(),
+    };
+    [tuned.name().to_owned()].into_iter().chain(parameters().iter().map(value)).collect()
 }
 
 #[test]
@@ -49,12 +53,16 @@ fn what_is_built_in_is_what_the_committed_table_calls_best() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../results/tuning/tuning.csv");
     let rows = rows(&fs::read(&path).expect("results/tuning is committed"));
     let best = |row: &&csv::StringRecord| row.iter().next_back() == Some("true");
-    let best: Vec<Vec<String>> =
-        rows.iter().filter(best).map(|row| row.iter().take(7).map(str::to_owned).collect()).collect();
-    let built_in = Tuned::ALL.map(|tuned| row_of(tuned, tuned.built_in()));
+    let best: Vec<Vec<String>> = rows
+        .iter()
+        .filter(best)
+        .map(|row| row.iter().take(1 + parameters().len()).map(str::to_owned).collect())
+        .collect();
+    let built_in: Vec<_> = Tuned::all().into_iter().map(|tuned| row_of(tuned, &tuned.built_in())).collect();
     assert_eq!(best, built_in, "run `tune` and set the constants to its winners, or the other way round");
-    let candidates = Tuned::ALL.iter().flat_map(|&tuned| tuned.candidates().into_iter().map(move |c| row_of(tuned, c)));
-    let listed = rows.iter().map(|row| row.iter().take(7).map(str::to_owned).collect::<Vec<_>>());
+    let candidates =
+        Tuned::all().into_iter().flat_map(|tuned| tuned.candidates().into_iter().map(move |c| row_of(tuned, &c)));
+    let listed = rows.iter().map(|row| row.iter().take(1 + parameters().len()).map(str::to_owned).collect::<Vec<_>>());
     assert!(listed.eq(candidates), "the table is of another grid: run `tune` again");
 }
 
@@ -83,13 +91,14 @@ fn the_best_has_the_least_log_loss_of_its_mapper() {
     let place = place();
     let (out, _) = tune(place.path(), 0, &["--format", "csv"]);
     let rows = rows(out.as_bytes());
-    for tuned in Tuned::ALL {
+    for tuned in Tuned::all() {
         let own: Vec<_> = rows.iter().filter(|row| &row[0] == tuned.name()).collect();
         assert_eq!(own.len(), tuned.candidates().len());
-        let best: Vec<_> = own.iter().filter(|row| &row[10] == "true").collect();
+        let [worlds, log_loss, best] = [0, 1, 3].map(|column| 1 + parameters().len() + column);
+        let best: Vec<_> = own.iter().filter(|row| &row[best] == "true").collect();
         assert_eq!(best.len(), 1, "{tuned}");
-        let loss = |row: &csv::StringRecord| row[8].parse::<f64>().expect("a number");
-        assert!(own.iter().all(|row| loss(row) >= loss(best[0]) && &row[7] == "1"), "{tuned}");
+        let loss = |row: &csv::StringRecord| row[log_loss].parse::<f64>().expect("a number");
+        assert!(own.iter().all(|row| loss(row) >= loss(best[0]) && &row[worlds] == "1"), "{tuned}");
     }
 }
 
@@ -119,7 +128,7 @@ fn the_text_fits_a_terminal_and_says_what_was_chosen() {
     let (out, err) = tune(place.path(), 0, &[]);
     assert!(out.lines().all(|line| line.chars().count() <= 80), "{out}");
     assert!(err.contains("results/tuning/tuning.csv"), "{err}");
-    for tuned in Tuned::ALL {
+    for tuned in Tuned::all() {
         assert!(out.lines().any(|line| line.starts_with(&format!("{tuned}: "))), "{out}");
     }
 }
@@ -132,7 +141,7 @@ fn bad_options_are_refused_before_any_work() {
         assert!(err.contains(expected), "{args:?}: {err}");
         assert!(!place.path().join("results").exists());
     };
-    refused(&["--mappers", "prior"], "visibility, conventional-tuned, mrf");
+    refused(&["--mappers", "prior"], "visibility, conventional-tuned, mrf, ");
     refused(&["--mappers", "mrf,mrf"], "'mrf' is given twice");
     refused(&["--mappers", ""], "--mappers");
     refused(&["--families", "nowhere.toml"], "nowhere.toml");

@@ -2,16 +2,22 @@
 
 use crate::belief::lateral::Lateral;
 use crate::fast::visibility::FastVisibility;
+use crate::fit::{Candidate, Fit, Fitted, Setting};
 use crate::mapper::Mapper;
 use crate::model::Model;
 use crate::pairs::reconcile::Reconciliation;
+use crate::rules::continuous_ray::{ContinuousRay, ContinuousRays};
 use crate::rules::conventional::{Conventional, ConventionalRule};
 use crate::rules::forward_em::ForwardEm;
+use crate::rules::hit_count::{HitCount, HitCounter};
 use crate::rules::log_odds::{ConstantIncrements, LogOdds};
 use crate::rules::mrf::{Field, Mrf};
 use crate::rules::no_occlusion::NoOcclusion;
+use crate::rules::range_cut::{ConventionalCut, RangeCut};
+use crate::rules::signed_distance::{SignedDistance, SignedDistances};
 use crate::rules::unseen::Unseen;
 use crate::rules::visibility::Visibility;
+use crate::rules::widening_beams::{WideningBeams, WideningBeamsMapper};
 
 /// How a mapper takes its scans.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,6 +46,17 @@ pub struct Entry {
     pub kind: Kind,
     /// Makes one.
     pub build: &'static Build,
+}
+
+impl Entry {
+    /// Makes one for a model, which sees readings up to [`Model::max_range_m`] alone.
+    pub fn mapper(&self, model: &Model) -> Box<dyn Mapper> {
+        let mapper = (self.build)(model);
+        if model.max_range_m == f64::INFINITY {
+            return mapper;
+        }
+        Box::new(RangeCut::new(mapper, model, model.max_range_m))
+    }
 }
 
 /// The mappers of this crate, the paper's method first.
@@ -87,6 +104,13 @@ pub const MAPPERS: &[Entry] = &[
         build: &|model| Box::new(Conventional::for_sensors(model, ConventionalRule::TUNED)),
     },
     Entry {
+        name: "conventional-cut",
+        summary: "the paper's conventional rule with readings up to a fitted range alone",
+        source: "Eqs. (22)-(26); habit",
+        kind: Kind::Online,
+        build: &|model| ConventionalCut::TUNED.mapper(model),
+    },
+    Entry {
         name: "log-odds-octomap",
         summary: "constant increments with the defaults of OctoMap",
         source: "Hornung et al. 2013",
@@ -94,11 +118,81 @@ pub const MAPPERS: &[Entry] = &[
         build: &|model| Box::new(ConstantIncrements::new(model, LogOdds::OCTOMAP.tuned(&model.tuning))),
     },
     Entry {
+        name: "octomap-cut",
+        summary: "OctoMap with a fitted maxrange: a point beyond it clears up to it",
+        source: "Hornung et al. 2013; octomap 1.9.7",
+        kind: Kind::Online,
+        build: &|model| Box::new(ConstantIncrements::new(model, LogOdds::OCTOMAP_CUT.tuned(&model.tuning))),
+    },
+    Entry {
         name: "log-odds-cartographer",
         summary: "constant increments with the defaults of Cartographer",
         source: "Hess et al. 2016",
         kind: Kind::Online,
         build: &|model| Box::new(ConstantIncrements::new(model, LogOdds::CARTOGRAPHER.tuned(&model.tuning))),
+    },
+    Entry {
+        name: "hit-count-gmapping",
+        summary: "hits over visits with the threshold of GMapping, as occupied, free and unknown",
+        source: "Grisetti et al. 2007; slam_gmapping 1.4.2",
+        kind: Kind::Online,
+        build: &|model| Box::new(HitCounter::new(model, HitCount::GMAPPING.tuned(&model.tuning))),
+    },
+    Entry {
+        name: "hit-count-karto",
+        summary: "the same with the counts and thresholds of Karto and slam_toolbox",
+        source: "Konolige et al. 2010; slam_toolbox 2.8",
+        kind: Kind::Online,
+        build: &|model| Box::new(HitCounter::new(model, HitCount::KARTO.tuned(&model.tuning))),
+    },
+    Entry {
+        name: "hit-count-tuned",
+        summary: "the same with thresholds fitted on the tuning scenes",
+        source: "Hähnel et al. 2003, fitted",
+        kind: Kind::Online,
+        build: &|model| Box::new(HitCounter::new(model, HitCount::TUNED.tuned(&model.tuning))),
+    },
+    Entry {
+        name: "tsdf",
+        summary: "truncated signed distance with the values of Voxblox, read out as occupancy",
+        source: "Curless and Levoy 1996; Oleynikova et al. 2017",
+        kind: Kind::Online,
+        build: &|model| Box::new(SignedDistances::new(model, SignedDistance::VOXBLOX.tuned(&model.tuning))),
+    },
+    Entry {
+        name: "tsdf-tuned",
+        summary: "the same with truncation and weights fitted on the tuning scenes",
+        source: "Curless and Levoy 1996, fitted",
+        kind: Kind::Online,
+        build: &|model| Box::new(SignedDistances::new(model, SignedDistance::TUNED.tuned(&model.tuning))),
+    },
+    Entry {
+        name: "mrpt-widening",
+        summary: "constant increments over beams that widen, with the defaults of MRPT",
+        source: "MRPT 2.5.8, wideningBeamsWithDistance",
+        kind: Kind::Online,
+        build: &|model| Box::new(WideningBeamsMapper::new(model, WideningBeams::MRPT.tuned(&model.tuning))),
+    },
+    Entry {
+        name: "mrpt-widening-tuned",
+        summary: "the same with increments and clamps fitted on the tuning scenes",
+        source: "MRPT 2.5.8, fitted",
+        kind: Kind::Online,
+        build: &|model| Box::new(WideningBeamsMapper::new(model, WideningBeams::TUNED.tuned(&model.tuning))),
+    },
+    Entry {
+        name: "wavemap",
+        summary: "noise along the ray: wavemap's continuous ray, with its values for depth cameras",
+        source: "Reijgwart et al. 2023; wavemap 2.2",
+        kind: Kind::Online,
+        build: &|model| Box::new(ContinuousRays::new(model, ContinuousRay::WAVEMAP.tuned(&model.tuning))),
+    },
+    Entry {
+        name: "wavemap-tuned",
+        summary: "the same with noise, scaling and clamps fitted on the tuning scenes",
+        source: "Reijgwart et al. 2023, fitted",
+        kind: Kind::Online,
+        build: &|model| Box::new(ContinuousRays::new(model, ContinuousRay::TUNED.tuned(&model.tuning))),
     },
     Entry {
         name: "independent",
@@ -171,6 +265,49 @@ pub const MAPPERS: &[Entry] = &[
         build: &|model| Box::new(FastVisibility::visibility(model)),
     },
 ];
+
+/// Mappers with parameters that the `tune` command fits, in the order of its tables.
+pub const FITS: &[Fit] = &[
+    Reconciliation::FIT,
+    ConventionalRule::FIT,
+    Field::FIT,
+    ConventionalCut::FIT,
+    LogOdds::CUT_FIT,
+    HitCount::GMAPPING_FIT,
+    HitCount::KARTO_FIT,
+    HitCount::FIT,
+    SignedDistance::VOXBLOX_FIT,
+    SignedDistance::FIT,
+    WideningBeams::FIT,
+    ContinuousRay::FIT,
+];
+
+impl Reconciliation {
+    /// With or without edges on no ray.
+    const FIT: Fit = Fit {
+        mapper: "visibility",
+        built_in: || Candidate::of(Self::default()),
+        tried: || Candidate::all([Self::AllEdges, Self::Touched]),
+    };
+}
+
+impl Fitted for Reconciliation {
+    fn parameters(&self) -> Vec<(&'static str, Setting)> {
+        let word = match self {
+            Self::AllEdges => "all-edges",
+            Self::Touched => "touched",
+        };
+        vec![("reconciliation", Setting::Word(word))]
+    }
+
+    fn label(&self) -> String {
+        if *self == Self::AllEdges { "all-edges" } else { "touched" }.to_owned()
+    }
+
+    fn mapper(&self, model: &Model) -> Box<dyn Mapper> {
+        Box::new(FastVisibility::visibility(&with(model, *self)))
+    }
+}
 
 fn with(model: &Model, reconciliation: Reconciliation) -> Model {
     Model { reconciliation, ..model.clone() }

@@ -17,11 +17,12 @@
 //! [`catalogue`] lists every mapper by name. To add your own, implement [`Mapper`]: the example
 //! `own_mapper` does it in twenty lines.
 //!
-//! Modules import from those before them alone: `memory`, `belief`, `pairs`, `ray`, `tuning`, `model`, `mapper`, `fast`, `rules`, `catalogue`.
+//! Modules import from those before them alone: `memory`, `belief`, `pairs`, `ray`, `tuning`, `model`, `mapper`, `fit`, `fast`, `rules`, `catalogue`.
 
 mod belief;
 pub mod catalogue;
 mod fast;
+mod fit;
 mod mapper;
 mod memory;
 mod model;
@@ -35,6 +36,7 @@ pub use belief::lateral::Lateral;
 pub use belief::prior::{CorrelationLaw, Prior};
 pub use belief::probability::{EPSILON, bayes};
 pub use fast::visibility::FastVisibility;
+pub use fit::{Candidate, Fit, Fitted, Setting};
 pub use mapper::{Mapper, Outside, Work};
 pub use model::{Model, Sensors};
 pub use pairs::footprint;
@@ -48,11 +50,16 @@ pub use ray::predictive::{Belief, Predictive};
 pub use ray::recalibration::{FitRay, Recalibration};
 pub use ray::update::RayRule;
 pub use ray::{exact, past_the_map, printed};
+pub use rules::continuous_ray::{ContinuousRay, ContinuousRays};
 pub use rules::conventional::{Conventional, ConventionalRule};
 pub use rules::forward_em::ForwardEm;
+pub use rules::hit_count::{HitCount, HitCounter};
 pub use rules::log_odds::{ConstantIncrements, LogOdds};
 pub use rules::mrf::{self, Field, Mrf};
 pub use rules::no_occlusion::{self, NoOcclusion};
+pub use rules::range_cut::{ConventionalCut, RangeCut};
+pub use rules::signed_distance::{SignedDistance, SignedDistances};
 pub use rules::unseen::Unseen;
 pub use rules::visibility::Visibility;
+pub use rules::widening_beams::{WideningBeams, WideningBeamsMapper};
 pub use tuning::Tuning;

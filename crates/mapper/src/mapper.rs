@@ -44,6 +44,12 @@ pub trait Mapper: Send {
         Work::uncounted(self.occupancy())
     }
 
+    /// Whether the rule itself updates fewer cells than lie between sensors and readings: it throws readings away, cuts rays
+    /// short, or updates a cell once for many rays.
+    fn leaves_out(&self) -> bool {
+        false
+    }
+
     /// What became of the program that does the work of a mapper in another process; none of a mapper that works in this one.
     fn outside(&self) -> Option<&Outside> {
         None

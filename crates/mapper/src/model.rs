@@ -22,6 +22,9 @@ pub struct Model {
     pub reconciliation: Reconciliation,
     /// Parameters of the rules that are not as published or fitted.
     pub tuning: Tuning,
+    /// Readings beyond this, of a camera its depth, are thrown away before any rule sees them, m; infinite where all are used. What a rule does about far readings
+    /// of its own comes after that.
+    pub max_range_m: f64,
 }
 
 impl Model {
@@ -33,6 +36,7 @@ impl Model {
             prior: Prior::default(),
             reconciliation: Reconciliation::default(),
             tuning: Tuning::default(),
+            max_range_m: f64::INFINITY,
         }
     }
 }

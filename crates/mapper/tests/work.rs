@@ -4,8 +4,24 @@ use std::sync::Arc;
 
 use grid::GridSpec;
 use mapper::catalogue::MAPPERS;
-use mapper::{Mapper, Model};
+use mapper::{ContinuousRay, ConventionalCut, LogOdds, Mapper, Model, SignedDistance};
 use sensor::{Pose, Scan, Stereo};
+
+/// Cells up to a range, m, from 0.01 m on.
+fn ends_at(range_m: f64) -> u64 {
+    40.min(1 + ((0.01 + range_m) / 0.05) as u64)
+}
+
+/// Cells of a signed distance up to the truncation, or the largest range.
+fn behind(rule: &SignedDistance) -> u64 {
+    let truncation_m = 0.05 * rule.truncation_cells;
+    ends_at(if rule.max_range_m < 1.5 { (1.5 - truncation_m).min(rule.max_range_m) } else { 1.5 + truncation_m })
+}
+
+/// Cells whose centres lie at most so far, m, behind the reading.
+fn centres(behind_m: f64) -> u64 {
+    (0..40).filter(|k| 0.05 * (f64::from(*k) + 0.5) - 0.01 <= 1.5 + behind_m).count() as u64
+}
 
 /// Three rays along a row of 40 cells: two readings of 15 / 10 = 1.5 m, in cell 30, and none.
 #[test]
@@ -23,8 +39,28 @@ fn every_mapper_that_counts_counts_rays_times_cells() {
         assert!(mapper.work().bytes >= 40 * 8, "{}: {:?}", entry.name, mapper.work());
         let expected = match entry.name {
             "forward-em" | "mrf" | "prior" => 0, // they do not count
-            name if name.starts_with("log-odds") => 2 * 31,
+            name if name.starts_with("log-odds") || name.starts_with("hit-count") => 2 * 31,
+            "octomap-cut" => match LogOdds::OCTOMAP_CUT.max_range_m {
+                far_m if far_m >= 1.5 => 2 * 31,
+                near_m => 2 * (ends_at(near_m) - 1), // the cell in which the ray is cut short is left alone
+            },
             "conventional" | "conventional-tuned" => 2 * 32, // up to 15 / 9.5 = 1.57 m
+            "conventional-cut" => {
+                if ConventionalCut::TUNED.max_range_m < 1.5 {
+                    0
+                } else {
+                    2 * 32
+                }
+            }
+            "tsdf" => 2 * behind(&SignedDistance::VOXBLOX),
+            "tsdf-tuned" => 2 * behind(&SignedDistance::TUNED),
+            name if name.starts_with("mrpt") => 2 * (30 + 1), // up to 1.45 m, and the cell of the reading
+            "wavemap" => 2 * centres(6.0 * 0.025),
+            "wavemap-tuned" => {
+                let ContinuousRay { sigma_cells, sigma_bins, .. } = ContinuousRay::TUNED;
+                let sigma_m = (0.05 * sigma_cells).max(sigma_bins * (1.5 - 15.0 / 10.5));
+                2 * centres(6.0 * sigma_m)
+            }
             _ => 2 * 40,
         };
         assert_eq!(mapper.work().cells, expected, "{}", entry.name);

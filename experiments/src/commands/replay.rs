@@ -70,6 +70,7 @@ pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
     let setup = Model {
         prior: options.prior.prior(),
         reconciliation: options.prior.reconciliation(),
+        max_range_m: options.map_range.unwrap_or(f64::INFINITY),
         ..Model::new(grid, sensor)
     };
     let copies = 1 + FOLDS;

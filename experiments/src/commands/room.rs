@@ -54,7 +54,8 @@ pub fn run(options: &RoomOptions) -> Result<(), Failure> {
     let mut staging = Staging::open(&out, &Purpose::new("room", &[&options.scene], files))?;
     let trials = trials(&ground, &seeds, &mappers, &setup, &frames)?;
     let stages = ground.stages(&trials[0]);
-    let claimed = ground.scene.regions.iter().filter(|region| region.claims);
+    let all_readings = options.cut.max_range_m.is_none();
+    let claimed = ground.scene.regions.iter().filter(|region| region.claims && all_readings);
     let claims: Vec<Claim> = claimed.flat_map(|region| claims::judge(&trials, &region.name)).collect();
     let record = Record::new("room", Parts::of(options, &ground, &mappers, &stages, &claims));
     let metrics = outputs::metrics(&ground, &trials, &stages);
@@ -68,7 +69,10 @@ pub fn run(options: &RoomOptions) -> Result<(), Failure> {
         note(format_args!("{} in {:.1} s", place.display(), start.elapsed().as_secs_f64()));
     }
     if claims.is_empty() && ground.scene.regions.iter().any(|region| region.claims) {
-        let note = "note: the scene's claims compare visibility with conventional; without both they are not judged";
+        let note = match all_readings {
+            true => "note: the scene's claims compare visibility with conventional; without both they are not judged",
+            false => "note: the scene's claims are about all readings; with --max-range they are not judged",
+        };
         crate::output::note(note);
     }
     claims::all_hold(&claims)?;

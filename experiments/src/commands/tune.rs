@@ -12,9 +12,10 @@ pub use options::TuneOptions;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use mapper::Candidate;
 use scene::Set;
 
-use self::candidates::{Candidate, Tuned};
+use self::candidates::Tuned;
 use self::fit::TunedFit;
 use crate::failure::Failure;
 use crate::jobs::engine;
@@ -89,11 +90,14 @@ fn tasks(mappers: &[Tuned], seeds: u64, families: usize) -> Vec<Task> {
     tasks
 }
 
-/// The mappers in the order of tables.
+/// The mappers in the order of tables; all where none is named.
 fn distinct(mappers: &[Tuned]) -> Result<Vec<Tuned>, Failure> {
+    if mappers.is_empty() {
+        return Ok(Tuned::all());
+    }
     let twice = mappers.iter().enumerate().find(|(k, tuned)| mappers[..*k].contains(tuned));
     match twice {
         Some((_, name)) => Err(Failure::BadInput(format!("--mappers: '{name}' is given twice; name each mapper once"))),
-        None => Ok(Tuned::ALL.into_iter().filter(|tuned| mappers.contains(tuned)).collect()),
+        None => Ok(Tuned::all().into_iter().filter(|tuned| mappers.contains(tuned)).collect()),
     }
 }

@@ -137,6 +137,14 @@ impl PriorOptions {
     }
 }
 
+/// The range cut: what engineers do about far readings.
+#[derive(Debug, Clone, Copy, Default, Args)]
+pub struct CutOption {
+    /// Throw readings beyond this away before any mapper sees them, m; of a camera the depth [default: all are used]
+    #[arg(long = "max-range", value_name = "M", allow_negative_numbers = true, value_parser = positive)]
+    pub max_range_m: Option<f64>,
+}
+
 /// More threads than any machine has processors only cost memory.
 pub(crate) const MOST_THREADS: u32 = 1024;
 

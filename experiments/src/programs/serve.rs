@@ -131,6 +131,7 @@ fn model(message: &Value) -> Result<Model, String> {
         sensors: Sensors::new(sensors),
         prior,
         reconciliation: Reconciliation::default(),
+        max_range_m: f64::INFINITY, // readings beyond a cut are not sent
         tuning: Tuning::default(),
     })
 }

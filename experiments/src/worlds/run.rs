@@ -299,7 +299,7 @@ struct Walk {
 
 impl Walk {
     fn new(entry: &Entry, setup: &Model, truth: &Raster<Option<bool>>) -> Self {
-        let mapper = (entry.build)(setup);
+        let mapper = entry.mapper(setup);
         let run = Run {
             mapper: entry.name,
             stages: Vec::new(),

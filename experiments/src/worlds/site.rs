@@ -39,6 +39,8 @@ pub struct Assumptions {
     pub reconciliation: Reconciliation,
     /// Parameters of rules other than the paper's.
     pub tuning: Tuning,
+    /// Readings beyond this are thrown away, m; none where all are used.
+    pub max_range_m: Option<f64>,
     /// The camera; none is that of the scene's file, whatever the condition makes of it.
     pub camera: Option<Stereo>,
 }
@@ -87,9 +89,10 @@ impl Site {
     /// # Errors
     /// A route that is blocked.
     pub fn of(mut scene: Scene, condition: &Condition, assumed: &Assumptions) -> Result<Self, Failure> {
-        let Assumptions { prior, reconciliation, tuning, camera } = assumed.clone();
+        let Assumptions { prior, reconciliation, tuning, max_range_m, camera } = assumed.clone();
         let camera = Arc::new(camera.unwrap_or(scene.matcher.stereo));
-        let setup = Model { prior, reconciliation, tuning, ..Model::new(scene.grid, camera) };
+        let max_range_m = max_range_m.unwrap_or(f64::INFINITY);
+        let setup = Model { prior, reconciliation, tuning, max_range_m, ..Model::new(scene.grid, camera) };
         (condition.camera)(&mut scene.matcher);
         Ok(Self { ground: Ground::new(scene, prior.occupancy)?, setup })
     }

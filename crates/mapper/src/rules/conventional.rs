@@ -4,6 +4,7 @@ use grid::{DigitalLine, Raster};
 use sensor::{Placement, Scan, SensorModel};
 
 use crate::belief::probability::{EPSILON, bayes, bounded};
+use crate::fit::{Candidate, Fit, Fitted, Setting, numbers};
 use crate::mapper::{Mapper, Work};
 use crate::memory::Held as _;
 use crate::model::{Model, Sensors};
@@ -34,6 +35,17 @@ impl ConventionalRule {
     /// that results are reported on: the least log loss that the rule can reach. It gets there by
     /// never being surer of an obstacle than 0.4.
     pub const TUNED: Self = Self { half_width: 0.45, clamp: [0.005, 0.4] };
+
+    /// Candidates and choice.
+    pub(crate) const FIT: Fit = Fit {
+        mapper: "conventional-tuned",
+        built_in: || Candidate::of(Self::TUNED),
+        tried: || {
+            let clamps = || LOWS.iter().flat_map(|&low| HIGHS.map(|high| [low, high]));
+            let rules = |half_width| clamps().map(move |clamp| Self { half_width, clamp });
+            Candidate::all(HALF_WIDTHS.into_iter().flat_map(rules))
+        },
+    };
 
     /// Likelihoods of the reading if the cell in the chord `enter ..= exit` (m) is occupied and if
     /// it is free; none for a cell behind the reading.
@@ -79,6 +91,29 @@ impl ConventionalRule {
     pub fn update(&self, p: f64, likelihoods: [f64; 2]) -> f64 {
         let [low, high] = self.clamp;
         bounded(bayes(p, likelihoods)).clamp(low.max(EPSILON), high.min(1.0 - EPSILON))
+    }
+}
+
+/// Half of the bin of a reading, px.
+const HALF_WIDTHS: [f64; 6] = [0.25, 0.35, 0.4, 0.45, 0.5, 0.7];
+
+/// Least and largest probabilities; the first and the last are those of every mapper.
+const LOWS: [f64; 5] = [EPSILON, 0.005, 0.01, 0.02, 0.05];
+const HIGHS: [f64; 7] = [0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0 - EPSILON];
+
+impl Fitted for ConventionalRule {
+    fn parameters(&self) -> Vec<(&'static str, Setting)> {
+        let Self { half_width, clamp: [low, high] } = *self;
+        numbers([("half_width_px", half_width), ("clamp_low", low), ("clamp_high", high)])
+    }
+
+    fn label(&self) -> String {
+        let Self { half_width, clamp: [low, high] } = self;
+        format!("w {half_width} px, {low} to {high}")
+    }
+
+    fn mapper(&self, model: &Model) -> Box<dyn Mapper> {
+        Box::new(Conventional::with(model, *self))
     }
 }
 

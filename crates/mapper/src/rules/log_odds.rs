@@ -9,9 +9,11 @@ use sensor::{Ray, Scan, SensorModel, in_lanes};
 use crate::belief::probability::{from_log_odds, log_odds};
 use crate::fast::lines::Lines;
 use crate::fast::tiles::{Numbering, PATCH, TILE, Tiles, split};
+use crate::fit::{Candidate, Fit, Fitted, Setting, numbers};
 use crate::mapper::{Mapper, Work};
 use crate::memory::Held as _;
 use crate::model::{Model, Sensors};
+use crate::rules::range_cut;
 use crate::tuning::Tuning;
 
 /// A log-odds grid with one constant for a hit and one for a miss.
@@ -32,17 +34,33 @@ pub struct LogOdds {
     pub start: f64,
     /// Range up to which a beam without echo (a reading of `f64::INFINITY`) is a miss, m; 0 where it changes nothing.
     pub no_echo_m: f64,
+    /// Range beyond which a reading hits nothing and misses the cells up to it, but for the one that it lies in, m; infinite where
+    /// every reading counts.
+    pub max_range_m: f64,
 }
 
 impl LogOdds {
     /// The defaults of OctoMap: Hornung, Wurm, Bennewitz, Stachniss and Burgard, "OctoMap: An Efficient
     /// Probabilistic 3D Mapping Framework Based on Octrees", Autonomous Robots 34, 2013. It
     /// takes point clouds, in which a beam without echo has no point.
-    pub const OCTOMAP: Self = Self { hit: 0.7, miss: 0.4, clamp: [0.12, 0.97], start: 0.5, no_echo_m: 0.0 };
+    pub const OCTOMAP: Self =
+        Self { hit: 0.7, miss: 0.4, clamp: [0.12, 0.97], start: 0.5, no_echo_m: 0.0, max_range_m: f64::INFINITY };
+
+    /// The same with `maxrange` of `insertPointCloud`, as the `tune` command finds it best on the tuning scenes, which are not
+    /// the scenes that results are reported on. A point beyond it clears its ray up to it (`computeUpdate` in `OccupancyOcTreeBase.hxx`).
+    pub const OCTOMAP_CUT: Self = Self { max_range_m: 4.0, ..Self::OCTOMAP };
 
     /// The defaults of Cartographer's 2D grid: Hess, Kohler, Rapp and Andor, "Real-Time Loop Closure in
     /// 2D LIDAR SLAM", ICRA 2016. A range beyond the largest is a miss of 5 m (`missing_data_ray_length`).
-    pub const CARTOGRAPHER: Self = Self { hit: 0.55, miss: 0.49, clamp: [0.1, 0.9], start: 0.5, no_echo_m: 5.0 };
+    pub const CARTOGRAPHER: Self =
+        Self { hit: 0.55, miss: 0.49, clamp: [0.1, 0.9], start: 0.5, no_echo_m: 5.0, ..Self::OCTOMAP };
+
+    /// The range of the cut.
+    pub(crate) const CUT_FIT: Fit = Fit {
+        mapper: "octomap-cut",
+        built_in: || Candidate::of(Self::OCTOMAP_CUT),
+        tried: || Candidate::all(range_cut::RANGES_M.map(|max_range_m| Self { max_range_m, ..Self::OCTOMAP })),
+    };
 
     /// The rule with the values given.
     pub fn tuned(self, tuning: &Tuning) -> Self {
@@ -59,6 +77,20 @@ impl LogOdds {
     fn steps(&self) -> Steps {
         let [low, high] = self.clamp.map(log_odds);
         Steps { hit: log_odds(self.hit), miss: log_odds(self.miss), low, high }
+    }
+}
+
+impl Fitted for LogOdds {
+    fn parameters(&self) -> Vec<(&'static str, Setting)> {
+        numbers([("max_range_m", self.max_range_m)])
+    }
+
+    fn label(&self) -> String {
+        range_cut::label(self.max_range_m)
+    }
+
+    fn mapper(&self, model: &Model) -> Box<dyn Mapper> {
+        Box::new(ConstantIncrements::new(model, *self))
     }
 }
 
@@ -100,6 +132,7 @@ const KNOWN: u8 = 4;
 pub struct ConstantIncrements {
     steps: Steps,
     no_echo_m: f64,
+    max_range_m: f64,
     prior: f64,
     map: Tiles<Tile>,
     sensors: Sensors,
@@ -117,6 +150,7 @@ impl ConstantIncrements {
         Self {
             steps: rule.steps(),
             no_echo_m: rule.no_echo_m,
+            max_range_m: rule.max_range_m,
             prior: model.prior.marginal(),
             map: Tiles::new(Numbering::new(model.grid), unknown),
             sensors: model.sensors.clone(),
@@ -130,11 +164,14 @@ impl ConstantIncrements {
     fn ends(&self, sensor: &dyn SensorModel, ray: &Ray) -> Option<Ends> {
         let reading = ray.reading?;
         if reading == f64::INFINITY {
-            let ends = Ends { until_m: self.no_echo_m, hit_m: f64::INFINITY };
+            let ends = Ends { until_m: self.no_echo_m, hit_m: f64::INFINITY, spared_m: f64::INFINITY };
             return Some(ends).filter(|ends| ends.until_m > 0.0);
         }
         let point_m = sensor.range_of(reading, ray.bearing_rad)?;
-        Some(Ends { until_m: point_m, hit_m: point_m })
+        if point_m <= self.max_range_m {
+            return Some(Ends { until_m: point_m, hit_m: point_m, spared_m: f64::INFINITY });
+        }
+        Some(Ends { until_m: self.max_range_m, hit_m: f64::INFINITY, spared_m: self.max_range_m })
     }
 
     fn occupied(&self, tile: &Tile, place: usize) -> f64 {
@@ -158,30 +195,36 @@ struct Ends {
     until_m: f64,
     /// Range at which a cell is hit, m; infinite if none is.
     hit_m: f64,
+    /// Range at which a cell is left alone, m: the one that a ray that was cut short ends in; infinite if none is.
+    spared_m: f64,
 }
 
 in_lanes! {
-    fn mark<'a>(mapper: &'a mut ConstantIncrements, lines: Lines, ranges: Lanes<f64>) {
-        mark_cells(mapper, lines, &ranges);
+    fn mark<'a>(mapper: &'a mut ConstantIncrements, lines: Lines, hit: Lanes<f64>, spared: Lanes<f64>) {
+        mark_cells(mapper, lines, &hit, &spared);
     }
 }
 
 /// Follows rays to their points, and marks the cells on them.
 #[inline(always)]
-fn mark_cells(mapper: &mut ConstantIncrements, mut lines: Lines, ranges: &Lanes<f64>) {
+fn mark_cells(mapper: &mut ConstantIncrements, mut lines: Lines, hit: &Lanes<f64>, spared: &Lanes<f64>) {
     let ConstantIncrements { map, touched, cells, .. } = mapper;
     while !lines.done() {
         let (cell, alive) = (lines.cell(), lines.alive);
         let step = lines.step();
         *cells += alive.iter().sum::<f64>() as u64;
         for l in (0..LANES).filter(|l| alive[*l] > 0.0) {
+            if step.exit[l] >= spared[l] {
+                *cells -= 1;
+                continue;
+            }
             let (tile, place) = split(cell[l]);
             let here = map.make(tile);
             if !here.touched[place / PATCH] {
                 here.touched[place / PATCH] = true;
                 touched.push(cell[l] - (place % PATCH) as u32);
             }
-            here.seen[place] |= if step.exit[l] >= ranges[l] { HIT } else { MISS };
+            here.seen[place] |= if step.exit[l] >= hit[l] { HIT } else { MISS };
         }
     }
 }
@@ -213,12 +256,12 @@ impl Mapper for ConstantIncrements {
         let rays: Vec<(Ray, Ends)> = scan.rays().filter_map(|ray| Some((ray, self.ends(sensor, &ray)?))).collect();
         for rays in rays.chunks(LANES) {
             let mut lines = Lines::new(self.map.numbering);
-            let mut ranges = [f64::INFINITY; LANES];
+            let (mut hit, mut spared) = ([f64::INFINITY; LANES], [f64::INFINITY; LANES]);
             for (lane, (ray, ends)) in rays.iter().enumerate() {
                 lines.start(lane, ray.origin_m, ray.direction, ends.until_m);
-                ranges[lane] = ends.hit_m;
+                (hit[lane], spared[lane]) = (ends.hit_m, ends.spared_m);
             }
-            mark(self, lines, ranges);
+            mark(self, lines, hit, spared);
         }
         for first in self.touched.drain(..) {
             let (tile, from) = split(first);
@@ -234,6 +277,10 @@ impl Mapper for ConstantIncrements {
 
     fn fork(&self) -> Option<Box<dyn Mapper>> {
         Some(Box::new(self.clone()))
+    }
+
+    fn leaves_out(&self) -> bool {
+        self.max_range_m.is_finite()
     }
 
     fn work(&self) -> Work {
@@ -341,6 +388,22 @@ mod tests {
             if let Some(seen) = mapper.seen() {
                 prop_assert!(seen.values().iter().any(|p| (p - 0.1).abs() > 1e-9));
             }
+        }
+    }
+
+    /// `insertPointCloud(.., maxrange = 1.3)` of OctoMap, asked through its Python binding (octomap-python 1.10.0) for a sensor at
+    /// 0.01 m, one point at 1.51 m and then one at 1.21 m: 0.4 in cells 0 to 25, nothing in cell 26; then 0.307692, 0.608696, 0.4 in cells
+    /// 23, 24, 25.
+    #[test]
+    fn a_point_beyond_the_range_clears_up_to_it_as_the_program_does() {
+        let rule = LogOdds { max_range_m: 1.3, ..LogOdds::OCTOMAP };
+        let mut mapper = mapper(rule);
+        mapper.integrate(&scan(&[10.0])); // 1.51 m: 1.31 m are cleared
+        let p = mapper.occupancy().values();
+        assert!(p[..26].iter().all(|p| (p - 0.4).abs() < 1e-12) && p[26..].iter().all(|p| (p - 0.1).abs() < 1e-12));
+        mapper.integrate(&scan(&[12.5])); // 1.2 m lie within
+        for (cell, program) in [(23, 0.307_692), (24, 0.608_696), (25, 0.4), (26, 0.1)] {
+            assert!((mapper.occupancy()[cell] - program).abs() < 1e-6, "{cell}");
         }
     }
 

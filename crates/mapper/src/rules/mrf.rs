@@ -9,6 +9,7 @@ use grid::{GridSpec, Raster};
 use sensor::Scan;
 
 use crate::belief::probability::{from_log_odds, log_odds};
+use crate::fit::{Candidate, Fit, Fitted, Setting, numbers};
 use crate::mapper::{Mapper, Work};
 use crate::memory::Held as _;
 use crate::model::Model;
@@ -37,6 +38,13 @@ impl Field {
     /// surface cells drift on for hundreds of sweeps, by less than the tolerance: 0.0125 in probability.
     pub const TUNED: Self = Self { coupling: 0.225, damping: 0.3, sweeps: 40, tolerance: 0.05 };
 
+    /// Candidates and choice.
+    pub(crate) const FIT: Fit = Fit {
+        mapper: "mrf",
+        built_in: || Candidate::of(Self::TUNED),
+        tried: || Candidate::all(COUPLINGS.map(|coupling| Self { coupling, ..Self::TUNED })),
+    };
+
     /// The field with the values given.
     pub fn tuned(self, tuning: &Tuning) -> Self {
         Self {
@@ -45,6 +53,23 @@ impl Field {
             sweeps: tuning.sweeps.unwrap_or(self.sweeps),
             ..self
         }
+    }
+}
+
+/// Correlations of neighbours. A map is unstable from 1/3 on: the last shows the cliff before it.
+const COUPLINGS: [f64; 8] = [0.0, 0.1, 0.15, 0.2, 0.225, 0.25, 0.27, 0.3];
+
+impl Fitted for Field {
+    fn parameters(&self) -> Vec<(&'static str, Setting)> {
+        numbers([("coupling", self.coupling), ("damping", self.damping)])
+    }
+
+    fn label(&self) -> String {
+        format!("coupling {}, damping {}", self.coupling, self.damping)
+    }
+
+    fn mapper(&self, model: &Model) -> Box<dyn Mapper> {
+        Box::new(Mrf::new(model, *self))
     }
 }
 

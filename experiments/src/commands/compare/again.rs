@@ -14,7 +14,7 @@ use super::plan::Plan;
 use super::rows::{self, Rows};
 use super::{document, outputs, showcase, tables};
 use crate::failure::Failure;
-use crate::output::args::{Format, ThreadsOption};
+use crate::output::args::{CutOption, Format, ThreadsOption};
 use crate::output::ledger::RECORD;
 use crate::page::{self, Folder};
 use crate::programs::options::{ProgramOptions, ProgramRecord};
@@ -39,6 +39,8 @@ struct Configuration {
     reconciliation: String,
     #[serde(default)]
     drives: DriveOptions,
+    #[serde(default)]
+    max_range_m: Option<f64>,
     repeats: Vec<usize>,
     repeated_scans: usize,
 }
@@ -86,6 +88,7 @@ fn plan(folder: &Folder, made: Configuration) -> Result<Plan, Failure> {
         quick: false,
         prior,
         drives: made.drives,
+        cut: CutOption { max_range_m: made.max_range_m },
         out: None,
         format: Format::Text,
         threads: ThreadsOption::default(),

@@ -12,9 +12,9 @@ const BEATEN: [&str; 5] =
 /// By these metrics, over all worlds in the observable region.
 const BY: [&str; 2] = ["log_loss", "brier"];
 
-/// Judges the claims on the test set: the interval of the difference must exclude zero.
+/// Judges the claims on the test set with all readings: the interval of the difference must exclude zero.
 pub fn judge(plan: &Plan, judgements: &[Judgement]) -> Vec<Claim> {
-    if plan.set != Worlds::Test {
+    if plan.set != Worlds::Test || plan.assumed.max_range_m.is_some() {
         return Vec::new();
     }
     let rivals = BEATEN.iter().filter(|rival| plan.names().contains(rival));

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use crate::output::args::{Format, PriorOptions, ThreadsOption, count, trimmed, trimmed_path};
+use crate::output::args::{CutOption, Format, PriorOptions, ThreadsOption, count, trimmed, trimmed_path};
 use crate::programs::options::ProgramOptions;
 use crate::worlds::drives::DriveOptions;
 use crate::worlds::scenes::FAMILIES;
@@ -30,7 +30,7 @@ pub struct CompareOptions {
     /// Batch mappers run on the first N of them only [default: a third]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(0..=10_000))]
     pub batch_seeds: Option<u32>,
-    /// Mappers, comma-separated; visibility, which all are compared with, must be among them [default: all, see `list`]
+    /// Mappers, comma-separated; visibility, which all are compared with, must be among them [default: all but some as published of which there are fitted ones, see `list`]
     #[arg(long, value_name = "A,B", value_delimiter = ',', value_parser = trimmed)]
     pub mappers: Vec<String>,
     /// Programs of one's own that are compared too
@@ -45,6 +45,9 @@ pub struct CompareOptions {
     /// Drives that are planned on every map
     #[command(flatten)]
     pub drives: DriveOptions,
+    /// Which readings they see
+    #[command(flatten)]
+    pub cut: CutOption,
     /// Folder for tables, pictures and report, written whole or not at all [default: results/compare and the set's name]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

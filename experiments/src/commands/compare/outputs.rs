@@ -40,6 +40,8 @@ struct Configuration {
     prior: Prior,
     reconciliation: Reconciliation,
     drives: DriveOptions,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    max_range_m: Option<f64>,
     repeats: Vec<usize>,
     repeated_scans: usize,
 }
@@ -58,6 +60,7 @@ pub fn record(plan: &Plan) -> Record<Parts> {
         prior: plan.assumed.prior,
         reconciliation: plan.assumed.reconciliation,
         drives: plan.drives,
+        max_range_m: plan.assumed.max_range_m,
         repeats: plan.repeats.clone(),
         repeated_scans: plan.repeated_scans,
     };

@@ -58,7 +58,8 @@ impl Plan {
     pub fn new(options: &CompareOptions) -> Result<Self, Failure> {
         let mappers = match options.mappers.is_empty() {
             true => {
-                MAPPERS.iter().filter(|entry| !maps_the_same(entry, options)).chain(own(&options.programs)?).collect()
+                let default = MAPPERS.iter().filter(|entry| !maps_the_same(entry, options) && !on_request(entry));
+                default.chain(own(&options.programs)?).collect()
             }
             false => entries(&options.mappers, &options.programs)?,
         };
@@ -95,7 +96,7 @@ impl Plan {
             batch_seeds,
             mappers,
             programs: options.programs.record(),
-            assumed: Assumptions::of(&options.prior),
+            assumed: Assumptions { max_range_m: options.cut.max_range_m, ..Assumptions::of(&options.prior) },
             drives: options.drives,
             repeats,
             repeated_scans,
@@ -187,6 +188,13 @@ impl Plan {
     pub fn has_batch(&self) -> bool {
         self.mappers.iter().any(|entry| entry.kind == Kind::Batch)
     }
+}
+
+/// Mappers that stand in no table unless they are named: rules as published of which the table has the fitted ones.
+pub const ON_REQUEST: [&str; 5] = ["hit-count-gmapping", "hit-count-karto", "tsdf", "mrpt-widening", "wavemap"];
+
+fn on_request(entry: &Entry) -> bool {
+    ON_REQUEST.contains(&entry.name)
 }
 
 /// Whether a mapper makes the map of `visibility` anyway: its own reference, and the variant that the options make it.

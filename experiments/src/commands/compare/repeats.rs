@@ -56,7 +56,7 @@ pub fn repeat(
         let mask = seen.mask(Region::Observable);
         let scorer = Scorer::new(&ground.truth, seen.surface())?;
         for entry in mappers.iter().filter(|entry| entry.kind == Kind::Online) {
-            let mut mapper = (entry.build)(&setup);
+            let mut mapper = entry.mapper(&setup);
             let mut done = 0;
             for &repeats in counts {
                 (done..repeats).for_each(|_| mapper.integrate(&simulated.scan));

@@ -43,7 +43,7 @@ pub(super) fn map(
     setup: &Model,
 ) -> Result<Maps, Failure> {
     let progress = Count::scans(survey.kept);
-    let mut mappers: Vec<Box<dyn Mapper>> = entries.iter().map(|entry| (entry.build)(setup)).collect();
+    let mut mappers: Vec<Box<dyn Mapper>> = entries.iter().map(|entry| entry.mapper(setup)).collect();
     let reach = match survey.sensor {
         Sensor::Laser { .. } => Reach::Reading,
         Sensor::Stereo => Reach::Median,

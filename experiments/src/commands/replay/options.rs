@@ -57,6 +57,9 @@ pub struct ReplayOptions {
     /// Readings from this on are no echo, m [default: what the log says, else 80]
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive)]
     pub max_range: Option<f64>,
+    /// Throw readings beyond this (of a camera the depth) away before any mapper sees them, m; they are predicted all the same [default: all are used]
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive)]
+    pub map_range: Option<f64>,
     /// Use every N-th scan alone
     #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = count(1_000_000))]
     pub every: u32,

@@ -181,6 +181,7 @@ fn configuration(told: &Told) -> Value {
         "window_s": options.window,
         "least_move_m": options.least_move,
         "least_turn_deg": options.least_turn,
+        "map_range_m": options.map_range,
         "prior": setup.prior,
         "reconciliation": setup.reconciliation,
         "sensor": sensor,

@@ -12,7 +12,7 @@ use super::plan::RoomPlan;
 use super::record::Parts;
 use super::{document, outputs};
 use crate::failure::Failure;
-use crate::output::args::{Format, PriorOptions, ThreadsOption};
+use crate::output::args::{CutOption, Format, PriorOptions, ThreadsOption};
 use crate::page::{self, Folder, ViewedWorld, Viewer};
 use crate::programs::options::{ProgramOptions, ProgramRecord};
 use crate::worlds::drives::DriveOptions;
@@ -38,12 +38,14 @@ struct Configuration {
     reconciliation: String,
     #[serde(default)]
     drives: DriveOptions,
+    #[serde(default)]
+    max_range_m: Option<f64>,
 }
 
 impl Made {
     /// The options that lead to the same run.
     fn options(self, prior: PriorOptions) -> Result<RoomOptions, Failure> {
-        let Configuration { scene, layout, seeds, mappers, programs, drives, .. } = self.configuration;
+        let Configuration { scene, layout, seeds, mappers, programs, drives, max_range_m, .. } = self.configuration;
         let (seed, grid) = (self.seed, Some(self.grid.cell_m));
         Ok(RoomOptions {
             scene,
@@ -55,6 +57,7 @@ impl Made {
             programs: ProgramOptions::recorded(&programs)?,
             prior,
             drives,
+            cut: CutOption { max_range_m },
             out: None,
             format: Format::Text,
             threads: ThreadsOption::default(),

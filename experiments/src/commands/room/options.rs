@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::output::args::{Format, PriorOptions, ThreadsOption, count, positive, trimmed};
+use crate::output::args::{CutOption, Format, PriorOptions, ThreadsOption, count, positive, trimmed};
 use crate::programs::options::ProgramOptions;
 use crate::worlds::drives::DriveOptions;
 
@@ -46,6 +46,9 @@ pub struct RoomOptions {
     /// Drives that are planned on the maps of every stage
     #[command(flatten)]
     pub drives: DriveOptions,
+    /// Which readings they see
+    #[command(flatten)]
+    pub cut: CutOption,
     /// Folder for tables, maps, pictures and report, written whole or not at all [default: results/ and the scene's name]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

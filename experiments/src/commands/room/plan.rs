@@ -25,7 +25,8 @@ impl RoomPlan {
     pub(super) fn of(options: &RoomOptions) -> Result<Self, Failure> {
         let mappers = entries(&options.mappers, &options.programs)?;
         let scene = scene::load(&options.scene, options.grid, options.layout)?;
-        let Site { ground, setup } = Site::of(scene, &AS_BELIEVED, &Assumptions::of(&options.prior))?;
+        let assumed = Assumptions { max_range_m: options.cut.max_range_m, ..Assumptions::of(&options.prior) };
+        let Site { ground, setup } = Site::of(scene, &AS_BELIEVED, &assumed)?;
         let ground = ground.with_drives(&options.drives, Driven::EveryStage);
         Ok(Self { frames: page::moments(&ground, page::FRAMES), ground, mappers, setup })
     }

@@ -47,6 +47,9 @@ pub(super) struct Configuration {
     pub prior: Prior,
     /// What becomes of edges on no ray.
     pub reconciliation: Reconciliation,
+    /// Readings beyond this were thrown away, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_range_m: Option<f64>,
     /// The simulated sensor, which the mappers know.
     pub sensor: Matcher,
     /// Image columns.
@@ -87,6 +90,7 @@ impl Parts {
                 programs: options.programs.record(),
                 prior: options.prior.prior(),
                 reconciliation: options.prior.reconciliation(),
+                max_range_m: options.cut.max_range_m,
                 sensor: ground.scene.matcher,
                 columns: ground.scene.camera.columns,
                 field_of_view_rad: ground.scene.camera.field_of_view_rad,

@@ -128,7 +128,11 @@ impl Job {
             None => Reconciliation::default(),
         };
         let (prior, tuning) = (self.prior(), self.tuning()?);
-        Site::of(scene, &AS_BELIEVED, &Assumptions { prior, reconciliation, tuning, camera: Some(camera) })
+        Site::of(
+            scene,
+            &AS_BELIEVED,
+            &Assumptions { prior, reconciliation, tuning, max_range_m: number("max_range"), camera: Some(camera) },
+        )
     }
 
     /// Parameters of rules other than the paper's.

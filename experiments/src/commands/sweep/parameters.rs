@@ -75,7 +75,7 @@ const fn of_map(key: &'static str, kind: ParameterKind, about: &'static str) -> 
 }
 
 /// All parameters, in the order of the columns of a table.
-pub const PARAMETERS: [Parameter; 47] = [
+pub const PARAMETERS: [Parameter; 48] = [
     Parameter {
         key: "size_factor",
         kind: number(0.1, 10.0, "a factor on the size of obstacles, 0.1 to 10", "give a factor such as 2"),
@@ -164,6 +164,11 @@ pub const PARAMETERS: [Parameter; 47] = [
         "scans",
         whole(1.0, 1e6, "a whole number of scans, 1 to 1000000", "give how many scans of the drive are mapped"),
         "so many scans of the drive, evenly spread over it; all if it has fewer",
+    ),
+    of_map(
+        "max_range",
+        number(0.05, 1e6, "a range in m, 0.05 to 1000000", "give the range such as 3.0, and 1000.0 for all readings"),
+        "readings beyond this depth (laser: range) are thrown away, whatever the mapper, m",
     ),
     of_map(
         "grid",

@@ -1,11 +1,11 @@
 //! Every candidate on the same readings, and the one with the least log loss.
 
 use grid::Raster;
-use mapper::ConventionalRule;
+use mapper::{Candidate, ConventionalRule};
 use scene::Family;
 use score::{Region, Scorer, Sightings};
 
-use super::candidates::{Candidate, Tuned};
+use super::candidates::{Tuned, rule};
 use super::clamps;
 use crate::failure::Failure;
 use crate::worlds::run::look;
@@ -52,9 +52,9 @@ pub fn errors(world: &WorldId, family: &Family, candidates: &[Candidate]) -> Res
     };
     let scans = || simulation.scans.iter().map(|simulated| &simulated.scan);
     let mut errors = Vec::with_capacity(candidates.len());
-    let bin = |candidate: &Candidate| candidate.rule().map(|rule| rule.half_width.to_bits());
+    let bin = |candidate: &Candidate| rule(candidate).map(|rule| rule.half_width.to_bits());
     for alike in candidates.chunk_by(|a, b| bin(a).is_some() && bin(a) == bin(b)) {
-        let rules: Vec<ConventionalRule> = alike.iter().filter_map(|candidate| candidate.rule()).collect();
+        let rules: Vec<ConventionalRule> = alike.iter().filter_map(rule).collect();
         if rules.is_empty() {
             let mut mapper = alike[0].build(&setup);
             scans().for_each(|scan| mapper.integrate(scan));
@@ -77,7 +77,8 @@ impl TunedFit {
             };
             Errors { log_loss: mean(|e| e.log_loss), brier: mean(|e| e.brier) }
         };
-        let candidates = candidates.iter().enumerate().map(|(number, &candidate)| (candidate, mean(number))).collect();
+        let candidates =
+            candidates.iter().enumerate().map(|(number, candidate)| (candidate.clone(), mean(number))).collect();
         Self { tuned, worlds: worlds.len(), candidates }
     }
 
@@ -93,7 +94,7 @@ impl TunedFit {
     /// # Panics
     /// If there are no candidates.
     pub fn best(&self) -> Candidate {
-        self.ranking()[0].0
+        self.ranking()[0].0.clone()
     }
 }
 
@@ -103,17 +104,18 @@ mod tests {
 
     #[test]
     fn the_least_mean_wins_and_of_equals_the_first() {
-        let candidates = &Tuned::Mrf.candidates()[..4];
+        let mrf = Tuned::parse("mrf").expect("known");
+        let candidates = &mrf.candidates()[..4];
         let errors = |losses: [f64; 4]| losses.map(|log_loss| Errors { log_loss, brier: 2.0 * log_loss });
         let [first, second] = [errors([0.5, 0.125, 0.25, 0.875]), errors([0.125, 0.5, 0.25, 0.125])];
-        let fit = TunedFit::new(Tuned::Mrf, candidates, &[&first, &second]);
+        let fit = TunedFit::new(mrf, candidates, &[&first, &second]);
         assert_eq!(fit.worlds, 2);
         let expected = [0.3125, 0.3125, 0.25, 0.5];
         for ((_, errors), expected) in fit.candidates.iter().zip(expected) {
             assert!((errors.log_loss - expected).abs() < 1e-15 && (errors.brier - 2.0 * expected).abs() < 1e-15);
         }
         assert_eq!(fit.best(), candidates[2]);
-        let order: Vec<Candidate> = fit.ranking().iter().map(|(candidate, _)| *candidate).collect();
-        assert_eq!(order, [candidates[2], candidates[0], candidates[1], candidates[3]]);
+        let order: Vec<Candidate> = fit.ranking().into_iter().map(|(candidate, _)| candidate).collect();
+        assert_eq!(order, [2, 0, 1, 3].map(|k: usize| candidates[k].clone()));
     }
 }

@@ -19,7 +19,7 @@ pub struct TuneOptions {
     #[arg(long, value_name = "N", default_value_t = 10, allow_negative_numbers = true, value_parser = count(Set::SIZE as u32))]
     pub seeds: u32,
     /// What to fit, comma-separated [default: all]
-    #[arg(long, value_enum, value_name = "A,B", value_delimiter = ',', hide_default_value = true, default_values_t = Tuned::ALL)]
+    #[arg(long, value_name = "A,B", value_delimiter = ',', value_parser = Tuned::parse)]
     pub mappers: Vec<Tuned>,
     /// Folder for table and picture, written whole or not at all
     #[arg(long, value_name = "DIR", default_value = "results/tuning")]

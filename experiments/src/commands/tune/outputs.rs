@@ -3,10 +3,10 @@
 use std::fmt::Write as _;
 use std::io::Write as _;
 
-use mapper::Prior;
-use serde_json::json;
+use mapper::{Candidate, Prior, Setting};
+use serde_json::{Value, json};
 
-use super::candidates::Candidate;
+use super::candidates::{at_border, parameters};
 use super::fit::{Errors, TunedFit};
 use super::{BATCH_SEEDS, TuneOptions, figure};
 use crate::failure::Failure;
@@ -21,22 +21,26 @@ const SHOWN: usize = 5;
 pub fn table(fits: &[TunedFit]) -> Table {
     let mut rows: Vec<(&TunedFit, Candidate, Errors)> = Vec::new();
     for fit in fits {
-        rows.extend(fit.candidates.iter().map(|(candidate, errors)| (fit, *candidate, *errors)));
+        rows.extend(fit.candidates.iter().map(|(candidate, errors)| (fit, candidate.clone(), *errors)));
     }
-    Table::of(
-        &rows,
-        &[("mapper", &|row| json!(row.0.tuned.name())), ("reconciliation", &|row| json!(row.1.reconciliation()))],
-    )
-    .with(&rows, &Candidate::PARAMETERS, |row, number| json!(row.1.parameters()[number]))
-    .and(
-        &rows,
-        &[
-            ("worlds", &|row| json!(row.0.worlds)),
-            ("log_loss", &|row| rounded(row.2.log_loss)),
-            ("brier", &|row| rounded(row.2.brier)),
-            ("best", &|row| json!(row.1 == row.0.best())),
-        ],
-    )
+    let names = parameters();
+    let value = |candidate: &Candidate, number: usize| match candidate.get(names[number]) {
+        Some(Setting::Number(number)) if number == f64::INFINITY => json!("inf"),
+        Some(Setting::Number(number)) => json!(number),
+        Some(Setting::Word(word)) => json!(word),
+        None => Value::Null,
+    };
+    Table::of(&rows, &[("mapper", &|row| json!(row.0.tuned.name()))])
+        .with(&rows, &names, |row, number| value(&row.1, number))
+        .and(
+            &rows,
+            &[
+                ("worlds", &|row| json!(row.0.worlds)),
+                ("log_loss", &|row| rounded(row.2.log_loss)),
+                ("brier", &|row| rounded(row.2.brier)),
+                ("best", &|row| json!(row.1 == row.0.best())),
+            ],
+        )
 }
 
 /// The best candidates of each mapper, and what is to be made of the first.
@@ -69,8 +73,8 @@ pub fn text(fits: &[TunedFit], options: &TuneOptions) -> String {
 fn remark(fit: &TunedFit) -> String {
     let (best, built_in) = (fit.best(), fit.tuned.built_in());
     let mut remark = if best == built_in { ", as built in".to_owned() } else { format!("\n  built in is {built_in}") };
-    let candidates: Vec<Candidate> = fit.candidates.iter().map(|(candidate, _)| *candidate).collect();
-    let border = best.at_border(&candidates);
+    let candidates: Vec<Candidate> = fit.candidates.iter().map(|(candidate, _)| candidate.clone()).collect();
+    let border = at_border(&best, &candidates);
     if !border.is_empty() {
         let _ = write!(remark, "\n  at the end of the grid: {}", border.join(", "));
     }
