@@ -45,7 +45,7 @@ impl WideningBeams {
     };
 
     /// What the `tune` command finds best on the tuning scenes, which are not the scenes that results are reported on.
-    pub const TUNED: Self = Self { hit: 0.7, miss: 0.48, start: 0.1, clamp: [0.005, 0.5], ..Self::MRPT };
+    pub const TUNED: Self = Self { hit: 0.7, miss: 0.48, start: 0.1, clamp: [0.005, 0.7], ..Self::MRPT };
 
     /// The rule with the values given.
     pub fn tuned(self, tuning: &Tuning) -> Self {
