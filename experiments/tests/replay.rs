@@ -388,3 +388,26 @@ fn scans_that_do_not_fit_together_are_warned_of_and_others_are_not() {
         assert_eq!(findings["agreement"]["fails"], true, "{findings}");
     }
 }
+
+/// A wall that the map knows to a few cells is an obstacle to a costmap: read back, it has the walls of the room in it, and free floor.
+#[test]
+fn costmaps_hold_obstacles_where_the_robot_does_not_fit() {
+    let ground = room();
+    let (folder, _, seen) = with_log(&ground);
+    let arguments = ["room.log.gz", "--mappers", "visibility,conventional", "--footprint", "0.2", "--out", "o"];
+    checked(0, &arguments, &replay(folder.path(), &arguments));
+    let read = |name: &str| {
+        let out = folder.path().join("o");
+        let text = fs::read_to_string(out.join(format!("{name}-footprint.yaml"))).expect("written");
+        assert!(text.contains("mode: raw") && text.contains(&format!("image: {name}-footprint.pgm")), "{text}");
+        grid::ros_map::read(&out.join(format!("{name}-footprint.yaml"))).expect("readable").occupancy
+    };
+    let truth = grid::clear(&ground.truth.map(|cell| *cell != Some(false)), 0.2);
+    for name in ["visibility", "conventional"] {
+        let cost = read(name);
+        let known = (0..seen.values().len()).filter(|cell| seen[*cell]);
+        assert!((0..seen.values().len()).all(|cell| cost[cell].is_some() == seen[cell]), "what no ray has reached is unknown");
+        let right = known.clone().filter(|cell| cost[*cell].is_some_and(|p| (p <= 0.5) == truth[*cell])).count();
+        assert!(right as f64 > 0.9 * known.count() as f64, "{name}: {right}");
+    }
+}

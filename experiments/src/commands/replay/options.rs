@@ -51,6 +51,9 @@ pub struct ReplayOptions {
     /// The map covers all poses and what was read up to this range, m [default: the range of 99 in 100 echoes]
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive)]
     pub reach: Option<f64>,
+    /// Also write costmaps of a robot of this radius, m: in percent, the probability that an obstacle stands under it
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive)]
+    pub footprint: Option<f64>,
     /// Readings below this are not used, m
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive)]
     pub min_range: Option<f64>,
@@ -231,6 +234,10 @@ Logs of lasers: CARMEN (FLASER, RLASER, ROBOTLASER1 to 5, and RAWLASER1 to 5 wit
 tables (CSV; also with semicolons, tabs or blanks) with the columns scan,x_m,y_m,theta_rad,bearing_rad,range_m, time_s if there are times, and \
 sensor if there are several; range_m is inf where no echo came back, and empty, NaN, 0 or negative where a beam says nothing. Logs of \
 stereo cameras: such tables with disparity_px, as `room` writes them (scans.csv); no match is empty, NaN, 0, negative, or above --max-disparity.
+
+Costmaps (--footprint) are NAME-footprint.yaml with .pgm in mode raw, 0 to 100, for nav2_map_server and a static layer with \
+trinary_costmap: false and lethal_cost_threshold: 50. Walls that are known to lie somewhere among a few cells are obstacles in them, and no inflation by \
+the radius is needed.
 
 Trajectories may have times in ns, us or ms, commas, quaternions in the order w x y z (EuRoC), and poses that are not in order: what is \
 taken for what is said.

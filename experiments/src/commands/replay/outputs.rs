@@ -5,8 +5,8 @@ use std::io::Write as _;
 
 use grid::Raster;
 use logs::{Report, Sensor};
-use mapper::Model;
 use mapper::catalogue::Entry;
+use mapper::{Belief, Model};
 use score::SeriesMean;
 use serde_json::{Value, json};
 
@@ -36,7 +36,9 @@ pub(super) struct Told<'a> {
 /// Every file that may come of it, beside the record.
 pub(super) fn names(entries: &[&Entry]) -> Vec<String> {
     let fixed = ["predictions.csv", "differences.csv", "maps.png", "report.html"].map(str::to_owned);
-    fixed.into_iter().chain(entries.iter().flat_map(|entry| output::map::names(entry.name))).collect()
+    let maps = entries.iter().flat_map(|entry| output::map::names(entry.name));
+    let costmaps = entries.iter().flat_map(|entry| output::map::footprint_names(entry.name));
+    fixed.into_iter().chain(maps).chain(costmaps).collect()
 }
 
 /// Writes everything.
@@ -46,6 +48,10 @@ pub(super) fn write(staging: &mut Staging, told: &Told) -> Result<(), Failure> {
     differences.save(staging, "differences.csv")?;
     for map in &told.maps.maps {
         output::map::write(staging, map.mapper, &map.occupancy, &told.maps.seen)?;
+        if let Some(radius_m) = told.options.footprint {
+            let belief = map.pairs.as_ref().map_or(Belief::Cells(&map.occupancy), Belief::Chain);
+            output::map::write_footprint(staging, map.mapper, belief, radius_m, &told.maps.seen)?;
+        }
     }
     let drawn: Vec<(&str, &Raster<f64>)> =
         told.maps.maps.iter().map(|map| (map.mapper, &map.occupancy)).filter(|(name, _)| *name != "prior").collect();
@@ -174,6 +180,7 @@ fn configuration(told: &Told) -> Value {
         "mappers": told.maps.maps.iter().map(|map| map.mapper).collect::<Vec<_>>(),
         "hold_out": options.hold_out,
         "reach_m": survey.reach_m,
+        "footprint_m": options.footprint,
         "min_range_m": options.min_range,
         "max_gap_s": options.max_gap,
         "fan": {"fov_deg": options.fan.fov, "first_bearing_deg": options.fan.first_bearing, "increment_deg": options.fan.increment},
