@@ -134,7 +134,7 @@ impl Fitted for ContinuousRay {
     fn label(&self) -> String {
         let Self { sigma_cells: cells, sigma_bins: bins, scaling_free: f, scaling_occupied: o, .. } = self;
         let Self { start, clamp: [low, high], .. } = self;
-        format!("{cells}/{bins}, {f}/{o} from {start}, {low:.3}..{high:.2}")
+        format!("{cells}/{bins} {f}/{o} {start}: {low:.3}..{high:.2}")
     }
 
     fn mapper(&self, model: &Model) -> Box<dyn Mapper> {

@@ -107,7 +107,7 @@ impl Fitted for HitCount {
 
     fn label(&self) -> String {
         let Self { too_few, threshold, shares: [free, occupied], .. } = self;
-        format!("> {too_few} visits, hits > {threshold}: {free} / {occupied}")
+        format!("{too_few} visits, {threshold}: {free}/{occupied}")
     }
 
     fn mapper(&self, model: &Model) -> Box<dyn Mapper> {

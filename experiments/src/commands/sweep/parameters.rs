@@ -168,7 +168,7 @@ pub const PARAMETERS: [Parameter; 48] = [
     of_map(
         "max_range",
         number(0.05, 1e6, "a range in m, 0.05 to 1000000", "give the range such as 3.0, and 1000.0 for all readings"),
-        "readings beyond this depth (laser: range) are thrown away, whatever the mapper, m",
+        "readings beyond this are thrown away for every mapper, m",
     ),
     of_map(
         "grid",

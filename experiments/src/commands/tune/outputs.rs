@@ -75,8 +75,8 @@ fn remark(fit: &TunedFit) -> String {
     let mut remark = if best == built_in { ", as built in".to_owned() } else { format!("\n  built in is {built_in}") };
     let candidates: Vec<Candidate> = fit.candidates.iter().map(|(candidate, _)| candidate.clone()).collect();
     let border = at_border(&best, &candidates);
-    if !border.is_empty() {
-        let _ = write!(remark, "\n  at the end of the grid: {}", border.join(", "));
+    for names in border.chunks(3) {
+        let _ = write!(remark, "\n  at the end of the grid: {}", names.join(", "));
     }
     remark
 }
