@@ -10,6 +10,7 @@ use crate::commands::compare::{self, CompareOptions};
 use crate::commands::convert::{self, ConvertOptions};
 use crate::commands::estimate;
 use crate::commands::gate::{self, GateOptions};
+use crate::commands::guide::{self, GuideOptions};
 use crate::commands::list::{self, ListOptions};
 use crate::commands::ray::{self, RayOptions};
 use crate::commands::replay::{self, ReplayOptions};
@@ -79,6 +80,8 @@ enum Command {
     Scene(SceneCommand),
     /// Estimate prior, correlation and mean obstacle length (Section 3.2) from a scene's ground truth
     Estimate(SceneOptions),
+    /// Print a page of the guide, or which there are
+    Guide(GuideOptions),
     /// List experiments, mappers, scenes and families of scenes at hand
     List(ListOptions),
 }
@@ -121,6 +124,7 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Check(options) => check::run(&options),
         Command::Scene(command) => scene::run(&command),
         Command::Estimate(options) => estimate::run(&options),
+        Command::Guide(options) => guide::run(&options),
         Command::List(options) => list::run(&options, Cli::command().get_subcommands()),
     }
 }

@@ -6,6 +6,7 @@ pub mod compare;
 pub mod convert;
 pub mod estimate;
 pub mod gate;
+pub mod guide;
 pub mod list;
 pub mod ray;
 pub mod replay;

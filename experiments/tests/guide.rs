@@ -1,0 +1,207 @@
+//! README and guide: short enough to be read, no link leads nowhere, and what is quoted from `results/` is what stands there.
+
+#![allow(missing_docs)]
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Most lines, and most columns, of the front page.
+const FRONT: [usize; 2] = [120, 120];
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+fn read(path: &Path) -> String {
+    fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// The Markdown of a folder.
+fn pages(folder: &str) -> Vec<PathBuf> {
+    let entries = fs::read_dir(root().join(folder)).expect("a folder").map(|entry| entry.expect("readable").path());
+    let mut pages: Vec<PathBuf> = entries.filter(|path| path.extension().is_some_and(|e| e == "md")).collect();
+    pages.sort();
+    pages
+}
+
+/// Everything that is written for people.
+fn documents() -> Vec<PathBuf> {
+    let crates = fs::read_dir(root().join("crates")).expect("a folder").map(|entry| entry.expect("readable").path());
+    let readmes = crates.map(|folder| folder.join("README.md")).filter(|path| path.exists());
+    ["README.md", "scenes/README.md", "experiments/MAPPERS.md"]
+        .map(|name| root().join(name))
+        .into_iter()
+        .chain(pages("experiments/guide"))
+        .chain(readmes)
+        .collect()
+}
+
+/// A document without its code blocks and code spans.
+fn prose(text: &str) -> String {
+    let (mut prose, mut fenced) = (String::new(), false);
+    for line in text.lines() {
+        if line.trim_start().starts_with("```") {
+            fenced = !fenced;
+        } else if !fenced && !line.starts_with("    ") {
+            // Between the backquotes every second piece is code.
+            line.split('`').step_by(2).for_each(|piece| prose.push_str(piece));
+            prose.push('\n');
+        }
+    }
+    prose
+}
+
+/// The targets of links and pictures.
+fn links(prose: &str) -> Vec<String> {
+    let after = prose.split("](").skip(1).filter_map(|rest| rest.split_once(')'));
+    after.map(|(target, _)| target.to_owned()).collect()
+}
+
+/// The anchors of a document, as GitHub and mdBook make them of headings.
+fn anchors(text: &str) -> BTreeSet<String> {
+    let mut fenced = false;
+    let mut heads = Vec::new();
+    for line in text.lines() {
+        fenced ^= line.starts_with("```");
+        heads.extend((!fenced && line.starts_with('#')).then(|| line.trim_start_matches('#').trim()));
+    }
+    let letter = |c: char| match c {
+        ' ' => Some('-'),
+        c if c.is_alphanumeric() || c == '-' || c == '_' => Some(c),
+        _ => None,
+    };
+    heads.iter().map(|head| head.to_lowercase().chars().filter_map(letter).collect()).collect()
+}
+
+#[test]
+fn the_front_page_is_short() {
+    let text = read(&root().join("README.md"));
+    assert!(text.lines().count() <= FRONT[0], "{} lines", text.lines().count());
+    for (number, line) in text.lines().enumerate() {
+        assert!(line.chars().count() <= FRONT[1], "README.md:{}: {} columns", number + 1, line.chars().count());
+    }
+}
+
+#[test]
+fn no_link_leads_nowhere() {
+    let mut checked = 0;
+    for document in documents() {
+        let text = read(&document);
+        for link in links(&prose(&text)).iter().filter(|link| !link.contains("://")) {
+            let (file, anchor) = link.split_once('#').unwrap_or((link, ""));
+            let target = match file {
+                "" => document.clone(),
+                file => document.parent().expect("a folder").join(file),
+            };
+            assert!(target.exists(), "{}: nothing is at {link}", document.display());
+            if !anchor.is_empty() {
+                assert!(anchors(&read(&target)).contains(anchor), "{}: no heading for {link}", document.display());
+            }
+            checked += 1;
+        }
+    }
+    assert!(checked > 60, "{checked}");
+}
+
+#[test]
+fn the_summary_names_every_page_once() {
+    let summary = links(&prose(&read(&root().join("experiments/guide/SUMMARY.md"))));
+    let pages = pages("experiments/guide").into_iter().filter_map(|path| Some(path.file_name()?.to_str()?.to_owned()));
+    let pages: BTreeSet<String> = pages.filter(|name| name != "SUMMARY.md").collect();
+    assert_eq!(summary.len(), pages.len());
+    assert_eq!(summary.into_iter().collect::<BTreeSet<_>>(), pages);
+}
+
+/// The mean of a metric over the 120 worlds, as the committed scores have it.
+fn mean(mapper: &str, region: &str, metric: &str, decimals: usize) -> String {
+    let path = root().join(format!("results/compare/scores-{mapper}.csv"));
+    let mut table = csv::Reader::from_path(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let heads = table.headers().expect("heads").clone();
+    let column = |name: &str| heads.iter().position(|head| head == name).expect("a column");
+    let (at, value) = (column("region"), column(metric));
+    let rows = table.records().map(|row| row.expect("a row")).filter(|row| &row[at] == region);
+    let values: Vec<f64> = rows.filter_map(|row| row[value].parse().ok()).collect();
+    assert!(values.len() > 100, "{mapper} {metric}: {}", values.len());
+    format!("{:.decimals$}", values.iter().sum::<f64>() / values.len() as f64)
+}
+
+/// The rows of a table that follows a heading row, as cells.
+fn table(text: &str, heads: &str) -> Vec<Vec<String>> {
+    let rows =
+        text.lines().skip_while(|line| !line.starts_with(heads)).skip(2).take_while(|line| line.starts_with('|'));
+    rows.map(|row| row.trim_matches('|').split('|').map(|cell| cell.trim().to_owned()).collect()).collect()
+}
+
+/// The name in backquotes that a cell begins with.
+fn name(cell: &str) -> &str {
+    cell.split('`').nth(1).expect("a name in backquotes")
+}
+
+#[test]
+fn the_numbers_of_the_front_page_are_those_of_the_committed_results() {
+    let rows = table(&read(&root().join("README.md")), "| rule | log loss |");
+    assert_eq!(rows.len(), 6);
+    let columns = [
+        ("observable", "log_loss", 3),
+        ("observable", "phantom_area", 2),
+        ("observable", "missed_area", 2),
+        ("observable", "retention", 3),
+        ("all", "footprint_reached", 3),
+        ("all", "footprint_colliding", 3),
+    ];
+    for row in rows {
+        let expected = columns.map(|(region, metric, decimals)| mean(name(&row[0]), region, metric, decimals));
+        assert_eq!(row[1..], expected, "{}", row[0]);
+    }
+}
+
+#[test]
+fn the_numbers_of_the_guide_are_those_of_the_committed_results() {
+    let compare = table(&read(&root().join("experiments/guide/compare.md")), "| mapper | log loss |");
+    let means = compare.iter().filter(|row| !row[1].is_empty() && !row[0].contains("`prior`"));
+    let mut checked = 0;
+    for row in means {
+        let [loss, brier] =
+            [("log_loss", 3), ("brier", 4)].map(|(m, decimals)| mean(name(&row[0]), "observable", m, decimals));
+        assert_eq!([&row[1], &row[3]], [&loss, &brier], "{}", row[0]);
+        assert!(row[5].starts_with(&mean(name(&row[0]), "observable", "retention", 3)), "{row:?}");
+        checked += 1;
+    }
+    assert!(checked >= 15, "{checked}");
+    let drives =
+        table(&read(&root().join("experiments/guide/drives.md")), "| mapper | reached | colliding | by footprint");
+    assert_eq!(drives.len(), 7);
+    for row in drives {
+        let metrics = ["reached", "colliding", "footprint_reached", "footprint_colliding"];
+        assert_eq!(row[1..], metrics.map(|metric| mean(name(&row[0]), "all", metric, 3)), "{}", row[0]);
+    }
+}
+
+/// The cut of the range: means over the seeds of the committed sweep.
+#[test]
+fn the_range_cut_of_the_guide_is_that_of_the_committed_sweep() {
+    let text = read(&root().join("experiments/guide/compare.md"));
+    let rows = table(&text, "| readings used |");
+    assert_eq!(rows.len(), 5);
+    let mappers = ["visibility", "visibility-lateral", "conventional", "log-odds-octomap", "log-odds-cartographer"];
+    let mut sweep = csv::Reader::from_path(root().join("results/sweep-range-cut/table.csv")).expect("committed");
+    let heads = sweep.headers().expect("heads").clone();
+    let column = |name: &str| heads.iter().position(|head| head == name).expect("a column");
+    let [range, mapper, region, loss] = ["max_range", "mapper", "region", "log_loss"].map(column);
+    let table: Vec<csv::StringRecord> = sweep.records().map(|row| row.expect("a row")).collect();
+    for row in rows {
+        let up_to: f64 = row[0].split(' ').find_map(|word| word.parse().ok()).unwrap_or(1000.0);
+        for (cell, own) in row[1..].iter().zip(mappers) {
+            let here = |row: &&csv::StringRecord| {
+                row[range].parse().is_ok_and(|range: f64| (range - up_to).abs() < 1e-9)
+                    && &row[mapper] == own
+                    && &row[region] == "observable"
+            };
+            let values: Vec<f64> = table.iter().filter(here).map(|row| row[loss].parse().expect("a number")).collect();
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            assert_eq!(values.len(), 4);
+            assert_eq!(cell, &format!("{mean:.3}"), "{own} {}", row[0]);
+        }
+    }
+}
