@@ -100,8 +100,8 @@ fn room_leaves_every_file_it_promises() {
     let metrics = text("metrics.csv");
     assert!(metrics.starts_with("scene,seed,mapper,stage,region,metric,value,unit,support\n"));
     // Mappers x regions x metrics, and the head.
-    // Fifteen metrics in each of seven regions, and three of drives.
-    assert_eq!(metrics.lines().count(), 4 * (7 * 15 + 3) + 1);
+    // Fifteen metrics in each of seven regions, and six of drives.
+    assert_eq!(metrics.lines().count(), 4 * (7 * 15 + 6) + 1);
     let scans = text("scans.csv");
     assert!(scans.starts_with("scan,time_s,x_m,y_m,theta_rad,bearing_rad,disparity_px,true_range_m\n"));
     // Base64 has no colon: no maps can look like an address.

@@ -102,8 +102,8 @@ fn compare_leaves_every_file_it_promises_and_an_account_of_eighty_columns() {
         assert_eq!(text(&format!("scores-{mapper}.csv")).lines().count(), 1 + 6 * worlds, "{mapper}");
     }
     // One scope, since there is one family and one condition.
-    // Fifteen metrics in every region, and three of drives in one.
-    assert_eq!(text("differences.csv").lines().count(), 1 + (6 * 15 + 3) * (mappers.len() - 1));
+    // Fifteen metrics in every region, and six of drives in one.
+    assert_eq!(text("differences.csv").lines().count(), 1 + (6 * 15 + 6) * (mappers.len() - 1));
     let summary = text("summary.csv");
     for metric in ["reached", "colliding", "detour"] {
         assert_eq!(summary.matches(&format!(",{metric},")).count(), mappers.len(), "{metric} in one region");

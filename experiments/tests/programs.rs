@@ -14,7 +14,7 @@ use assert_cmd::Command;
 use experiments::output::args::{Edges, Law, PriorOptions};
 use experiments::programs::program::Program;
 use experiments::worlds::condition::AS_BELIEVED;
-use experiments::worlds::run::{Keep, Run, Trial};
+use experiments::worlds::run::{Keep, RegionScore, Run, Trial};
 use experiments::worlds::site::{Assumptions, Site};
 use mapper::catalogue::{Entry, find};
 use serde_json::Value;
@@ -143,7 +143,16 @@ fn a_mapper_in_rust_is_the_same_as_a_program() {
         for (own, served) in own.stages.iter().zip(&served.stages) {
             assert_eq!(served.fault, None);
             assert_eq!(own.occupancy, served.occupancy, "{name}: to the last bit");
-            assert!(own.scores == served.scores || name == "forward-em", "{name}: retention of every scan");
+            // A program answers with marginals alone: footprints of a map that holds joints are other ones.
+            let alike = |scores: &[RegionScore]| {
+                scores
+                    .iter()
+                    .filter(|score| name != "visibility" || !score.metric.name.starts_with("footprint"))
+                    .cloned()
+                    .collect::<Vec<_>>()
+            };
+            let scores = [&own.scores, &served.scores].map(|scores| alike(scores));
+            assert!(scores[0] == scores[1] || name == "forward-em", "{name}: retention of every scan");
         }
     }
 }

@@ -96,8 +96,9 @@ mod tests {
         let mut scored = scores.expect("valid").metrics().to_vec();
         scored.push(Retention::new(&truth).metric(None).expect("valid"));
         let (map, known) = (Raster::filled(spec, 0.5), Raster::filled(spec, true));
-        let drives = Navigation::new(&truth, Planning::default()).metrics(&map, &known, |_| true);
-        scored.extend(drives.expect("valid"));
+        let navigation = Navigation::new(&truth, Planning::default());
+        scored.extend(navigation.metrics(&map, &known, |_| true).expect("valid"));
+        scored.extend(navigation.metrics_by_footprint(&map, &known, |_| true).expect("valid"));
         let listed: Vec<_> = CRITERIA.iter().map(|c| (c.metric, c.unit)).collect();
         assert_eq!(listed, scored.iter().map(|m| (m.name, m.unit)).collect::<Vec<_>>());
     }
