@@ -326,6 +326,29 @@ fn report_refuses_a_folder_that_it_cannot_vouch_for() {
 }
 
 #[test]
+fn the_program_bears_the_projects_name_too() {
+    let help = |name: &str| {
+        let output = Command::cargo_bin(name).expect("built").args(["guide", "--help"]).output().expect("starts");
+        String::from_utf8(output.stdout).expect("text").replace(name, "NAME")
+    };
+    assert_eq!(help("sightgrid"), help("experiments"));
+}
+
+#[test]
+fn the_guide_is_printed_page_by_page() {
+    let place = TempDir::new().expect("temporary folder");
+    let guide =
+        |args: &[&str]| Command::cargo_bin("experiments").expect("built").current_dir(&place).args(args).output();
+    let pages = guide(&["guide"]).expect("starts");
+    assert!(String::from_utf8_lossy(&pages.stdout).contains("glossary         Glossary of metrics"));
+    let page = guide(&["guide", "compare"]).expect("starts");
+    assert!(String::from_utf8_lossy(&page.stdout).starts_with("# Which mapper is better"));
+    let none = guide(&["guide", "compair"]).expect("starts");
+    assert_eq!(none.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&none.stderr).contains("the nearest is 'compare'"));
+}
+
+#[test]
 fn check_says_what_a_scene_holds() {
     let place = Place::new();
     let (out, _) = place.expect(0, &["check", "closet.toml"]);

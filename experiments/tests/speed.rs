@@ -117,6 +117,21 @@ fn every_form_has_the_same_rows() {
     }
 }
 
+/// Independent cells stop a ray on an unseen map before the end of a long range: the mapper does what its rule asks for.
+#[test]
+fn one_scan_of_long_ranges_is_measured() {
+    let mut text = HEAD.to_owned();
+    for k in 0..361 {
+        let bearing = f64::from(k - 180).to_radians() / 2.0;
+        let _ = writeln!(text, "0,-1.9509,-1.5504,-0.642976,{bearing:.6},{:.3}", 6.0 + 3.0 * f64::from(k) / 361.0);
+    }
+    let folder = with(&text);
+    let mappers = "visibility,independent,conventional,log-odds-octomap";
+    let found =
+        json(folder.path(), &["--scans", "scans.csv", "--mappers", mappers, "--repeats", "1", "--format", "json"]);
+    assert_eq!(found["rows"].as_array().expect("rows").len(), 4, "{found}");
+}
+
 #[test]
 fn a_folder_has_table_and_record() {
     let folder = with(SCANS);

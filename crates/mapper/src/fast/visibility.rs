@@ -154,6 +154,12 @@ impl Mapper for FastVisibility {
     fn work(&self) -> Work {
         Work { cells: self.cells, bytes: self.map.held() + self.occupancy.held() + self.workspace.held() }
     }
+
+    /// A ray is cut where the rest says nothing. Cells that are independent of each other stop it on an unseen map after some
+    /// hundred of them, which may be before its reading.
+    fn leaves_out(&self) -> bool {
+        self.continuity == Continuity::Ignored
+    }
 }
 
 #[cfg(test)]

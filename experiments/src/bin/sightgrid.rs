@@ -1,0 +1,5 @@
+//! The same program under the project's name: `cargo install --path experiments --bin sightgrid`.
+
+fn main() -> std::process::ExitCode {
+    experiments::main()
+}
