@@ -14,11 +14,7 @@ pub fn clear(solid: &Raster<bool>, needed_m: f64) -> Raster<bool> {
     let GridSpec { width, .. } = spec;
     let needed = needed_m / spec.cell_m;
     let steps = to_solid_along_columns(solid);
-    // How many columns away a square is too near, where it is `gap` above or below.
-    let reach = |steps: u32| {
-        let gap = (f64::from(steps) - 0.5).max(0.0);
-        (gap < needed).then(|| ((0.5 + (needed * needed - gap * gap).sqrt() - ROUNDING).ceil() - 1.0) as usize)
-    };
+    let reach = |steps: u32| disc_reach(needed, f64::from(steps));
     let beside = reach(0).unwrap_or(0);
     let mut clear = Raster::filled(spec, false);
     let mut change = vec![0i64; width + 1];
@@ -42,6 +38,13 @@ pub fn clear(solid: &Raster<bool>, needed_m: f64) -> Raster<bool> {
         }
     }
     clear
+}
+
+/// How many columns to either side a disc about the centre of a cell covers a part of, in the row so many `rows` above or below, to
+/// [`ROUNDING`]; none where it ends before. `radius` in cells.
+pub fn disc_reach(radius: f64, rows: f64) -> Option<usize> {
+    let gap = (rows - 0.5).max(0.0);
+    (gap < radius).then(|| ((0.5 + (radius * radius - gap * gap).sqrt() - ROUNDING).ceil() - 1.0) as usize)
 }
 
 /// Steps from every cell to the nearest solid one of its column, or to the border.

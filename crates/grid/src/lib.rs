@@ -21,7 +21,7 @@ mod raster;
 pub mod ros_map;
 mod spec;
 
-pub use clearance::{ROUNDING, clear};
+pub use clearance::{ROUNDING, clear, disc_reach};
 pub use frame::{CellsToCells, Frame};
 pub use lattice::{Lattice, StepCosts, UNREACHED};
 pub use line::DigitalLine;

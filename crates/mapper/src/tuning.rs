@@ -24,6 +24,11 @@ pub struct Tuning {
 }
 
 impl Tuning {
+    /// What a hit and a miss stand for, and where a cell starts, of a rule in log odds.
+    pub(crate) fn odds(&self, [hit, miss, start]: [f64; 3]) -> [f64; 3] {
+        [self.hit.unwrap_or(hit), self.miss.unwrap_or(miss), self.start.unwrap_or(start)]
+    }
+
     /// Both clamps, in their order even where only one is given and lies beyond the other.
     pub(crate) fn clamp(&self, [low, high]: [f64; 2]) -> [f64; 2] {
         match (self.clamp_low, self.clamp_high) {

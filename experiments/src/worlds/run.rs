@@ -206,13 +206,15 @@ impl Ground {
         let noise_free = mappers.iter().any(|entry| entry.kind == Kind::NoiseFree);
         for (i, simulated) in simulation.scans.iter().enumerate() {
             look(&mut seen, simulated);
+            let stages = simulation.stages.iter().filter(|stage| stage.scans == i + 1).count();
             let now = Now {
                 scans: i + 1,
                 scan: &simulated.scan,
                 noise_free: noise_free.then(|| self.noise_free(simulated)),
                 seen: &seen,
                 observable: keep.timeline.then(|| seen.mask(Region::Observable)),
-                stages: simulation.stages.iter().filter(|stage| stage.scans == i + 1).count(),
+                stages,
+                reached: (stages > 0).then(|| seen.looks().map(|looks| *looks > 0)),
                 frame: keep.frames.contains(&(i + 1)),
                 last: i + 1 == simulation.scans.len(),
             };
@@ -220,7 +222,7 @@ impl Ground {
                 watch(number, walk.step(self, &now)?.as_ref());
                 Ok::<(), Failure>(())
             })?;
-            reached.extend((0..now.stages).map(|_| seen.looks().map(|looks| *looks > 0)));
+            reached.extend(now.reached.iter().flat_map(|reached| vec![reached.clone(); stages]));
         }
         Ok(Trial { seed, simulation, seen, reached, runs: walks.into_iter().map(|walk| walk.run).collect() })
     }
@@ -249,7 +251,10 @@ impl Ground {
         for (region, mask) in by_rays.chain(by_name) {
             let metrics = scorer.scores(map, &mask)?.metrics();
             let driven = driven && region == drives::REGION.name();
-            let of_drives = if driven { self.drives(mapper, seen)? } else { Vec::new() };
+            let of_drives = match &now.reached {
+                Some(reached) if driven => self.drives(mapper, reached)?,
+                _ => Vec::new(),
+            };
             for metric in metrics.into_iter().chain([retention.metric(Some(&mask))?]).chain(of_drives) {
                 scores.push(RegionScore { region: region.clone(), metric });
             }
@@ -258,10 +263,9 @@ impl Ground {
     }
 
     /// The metrics of drives planned on a map that knows the cells that some ray reached.
-    fn drives(&self, mapper: &dyn Mapper, seen: &Sightings) -> Result<Vec<Metric>, Failure> {
+    fn drives(&self, mapper: &dyn Mapper, reached: &Raster<bool>) -> Result<Vec<Metric>, Failure> {
         let navigation = self.navigation.get_or_init(|| Navigation::new(&self.truth, self.planning));
-        let known = seen.looks().map(|looks| *looks > 0);
-        Ok(drives::metrics(navigation, &self.world, mapper.occupancy(), mapper.pairwise().as_ref(), &known)?)
+        Ok(drives::metrics(navigation, &self.world, mapper.occupancy(), mapper.pairwise().as_ref(), reached)?)
     }
 }
 
@@ -281,6 +285,8 @@ struct Now<'a> {
     observable: Option<Raster<bool>>,
     /// Number of stages that end with this scan.
     stages: usize,
+    /// The cells that a ray has crossed or hit, where a stage ends.
+    reached: Option<Raster<bool>>,
     frame: bool,
     /// Whether it is the last scan of the drive.
     last: bool,

@@ -3,14 +3,11 @@
 //! A cell is a bad question to a map that knows a wall to within three cells and not which of them: each holds a third, and a threshold
 //! finds no wall. That one of them is occupied is nearly sure, and the joint probabilities of neighbours say so.
 
-use grid::{GridSpec, Raster};
+use grid::{GridSpec, Raster, disc_reach};
 
 use crate::pairs::joint::Joint;
 use crate::ray::predictive::Belief;
 use crate::ray::recalibration::Recalibration;
-
-/// Taken off the radius, in cells, so that rounding takes no cell that the disc only touches.
-const ROUNDING: f64 = 1e-6;
 
 /// What the line that is least free is recalibrated by, fitted on 24 tuning worlds, pooled over `visibility` and `visibility-lateral`, with a disc
 /// of 0.2 m in cells of 5 cm: lines of a map are taken for emptier than they are nowhere, and for fuller by a factor of four in the odds.
@@ -36,7 +33,7 @@ fn least_free(map: Belief, radius_m: f64) -> Raster<f64> {
     let GridSpec { width, height, .. } = spec;
     let rows = Chains::new(map, [width, height], |at, row| row * width + at);
     let columns = Chains::new(map, [height, width], |at, column| at * width + column);
-    let disc = Disc::new(radius_m / spec.cell_m - ROUNDING);
+    let disc = Disc::new(radius_m / spec.cell_m);
     let of = |cell| {
         let (column, row) = (cell % width, cell / width);
         let least = rows.least(&disc, column, row).min(columns.least(&disc, row, column));
@@ -52,11 +49,9 @@ struct Disc {
 }
 
 impl Disc {
+    /// `radius` in cells.
     fn new(radius: f64) -> Self {
-        let gap = |row: usize| (row as f64 - 0.5).max(0.0);
-        let rows = (0..).take_while(|row| *row == 0 || gap(*row) < radius);
-        let half = |row| ((radius * radius - gap(row) * gap(row)).max(0.0).sqrt() + 0.5).ceil() as usize;
-        Self { half: rows.map(|row| half(row).max(1) - 1).collect() }
+        Self { half: (0..).map_while(|row| disc_reach(radius, f64::from(row))).collect() }
     }
 }
 

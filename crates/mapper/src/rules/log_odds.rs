@@ -64,13 +64,8 @@ impl LogOdds {
 
     /// The rule with the values given.
     pub fn tuned(self, tuning: &Tuning) -> Self {
-        Self {
-            hit: tuning.hit.unwrap_or(self.hit),
-            miss: tuning.miss.unwrap_or(self.miss),
-            start: tuning.start.unwrap_or(self.start),
-            clamp: tuning.clamp(self.clamp),
-            ..self
-        }
+        let [hit, miss, start] = tuning.odds([self.hit, self.miss, self.start]);
+        Self { hit, miss, start, clamp: tuning.clamp(self.clamp), ..self }
     }
 
     /// Log odds that a hit or a miss adds, and the clamps.

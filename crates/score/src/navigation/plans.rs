@@ -27,6 +27,12 @@ pub struct Plan {
 }
 
 impl Navigation {
+    /// Names of [`Self::metrics`].
+    pub const METRICS: [&'static str; 3] = ["reached", "colliding", "detour"];
+
+    /// Names of [`Self::metrics_by_footprint`].
+    pub const FOOTPRINT_METRICS: [&'static str; 3] = ["footprint_reached", "footprint_colliding", "footprint_detour"];
+
     /// Draws the pairs from the truth (`None` is not known).
     pub fn new(truth: &Raster<Option<bool>>, planning: Planning) -> Self {
         let free = if planning.pairs > 0 {
@@ -64,17 +70,8 @@ impl Navigation {
     /// # Errors
     /// Rasters of another geometry than the truth; a cell that holds no probability.
     pub fn plans(&self, map: &Raster<f64>, known: &Raster<bool>) -> Result<Vec<Option<Plan>>, ScoreError> {
-        same_cells("map", map.spec(), &self.spec)?;
-        same_cells("mask of known cells", known.spec(), &self.spec)?;
-        probabilities(map)?;
-        let obstacle = |cell: usize| match known[cell] {
-            true => map[cell] > self.planning.threshold,
-            false => self.planning.never_seen == NeverSeen::Occupied,
-        };
-        let solid = (0..self.spec.cells()).map(|cell| self.unjudged[cell] || obstacle(cell)).collect();
-        let free = clear(&Raster::new(self.spec, solid), self.planning.robot_radius_m);
-        let ways = Lattice::new(free, COSTS);
-        Ok(self.errands.iter().flat_map(|errand| planned(&ways, errand)).collect())
+        let free = self.clear(map, known, |p| p > self.planning.threshold)?;
+        Ok(self.planned(&Lattice::new(free, COSTS)))
     }
 
     /// Plans every pair by the probability that an obstacle stands under the robot: `footprint` holds it for the robot's disc about every
@@ -88,18 +85,35 @@ impl Navigation {
         footprint: &Raster<f64>,
         known: &Raster<bool>,
     ) -> Result<Vec<Option<Plan>>, ScoreError> {
-        same_cells("footprints", footprint.spec(), &self.spec)?;
+        let Planning { threshold, most_costly, .. } = self.planning;
+        let mut fits = self.clear(footprint, known, |_| false)?;
+        fits.values_mut().iter_mut().zip(footprint.values()).for_each(|(fits, p)| *fits &= *p <= threshold);
+        let more = f64::from(most_costly.max(1) - 1);
+        let weights = footprint.map(|p| 1 + (more * (p / threshold).min(1.0)).round() as u8);
+        Ok(self.planned(&Lattice::new(fits, COSTS).weighted(weights)))
+    }
+
+    /// Where the robot's disc clears what is an obstacle by its probability, what the planner takes unknown cells for, and cells of which the
+    /// truth is not known.
+    fn clear(
+        &self,
+        map: &Raster<f64>,
+        known: &Raster<bool>,
+        is_obstacle: impl Fn(f64) -> bool,
+    ) -> Result<Raster<bool>, ScoreError> {
+        same_cells("map", map.spec(), &self.spec)?;
         same_cells("mask of known cells", known.spec(), &self.spec)?;
-        probabilities(footprint)?;
-        let obstacle = |cell: usize| !known[cell] && self.planning.never_seen == NeverSeen::Occupied;
+        probabilities(map)?;
+        let obstacle = |cell: usize| match known[cell] {
+            true => is_obstacle(map[cell]),
+            false => self.planning.never_seen == NeverSeen::Occupied,
+        };
         let solid = (0..self.spec.cells()).map(|cell| self.unjudged[cell] || obstacle(cell)).collect();
-        let free = clear(&Raster::new(self.spec, solid), self.planning.robot_radius_m);
-        let fits =
-            (0..self.spec.cells()).map(|cell| free[cell] && footprint[cell] <= self.planning.threshold).collect();
-        let more = f64::from(self.planning.most_costly.max(1) - 1);
-        let weights = footprint.map(|p| 1 + (more * (p / self.planning.threshold).min(1.0)).round() as u8);
-        let ways = Lattice::new(Raster::new(self.spec, fits), COSTS).weighted(weights);
-        Ok(self.errands.iter().flat_map(|errand| planned(&ways, errand)).collect())
+        Ok(clear(&Raster::new(self.spec, solid), self.planning.robot_radius_m))
+    }
+
+    fn planned(&self, ways: &Lattice) -> Vec<Option<Plan>> {
+        self.errands.iter().flat_map(|errand| planned(ways, errand)).collect()
     }
 
     /// Plans every pair on a map and drives the plans: `is_clear` says whether a disc of [`Self::clearance_m`] can
@@ -117,7 +131,7 @@ impl Navigation {
         known: &Raster<bool>,
         is_clear: impl Fn(&[[f64; 2]]) -> bool,
     ) -> Result<[Metric; 3], ScoreError> {
-        Ok(self.driven(["reached", "colliding", "detour"], self.plans(map, known)?, is_clear))
+        Ok(self.driven(Self::METRICS, self.plans(map, known)?, is_clear))
     }
 
     /// The same of plans by footprint ([`Self::plans_by_footprint`]): `footprint_reached`, `footprint_colliding`, `footprint_detour`.
@@ -130,8 +144,7 @@ impl Navigation {
         known: &Raster<bool>,
         is_clear: impl Fn(&[[f64; 2]]) -> bool,
     ) -> Result<[Metric; 3], ScoreError> {
-        let names = ["footprint_reached", "footprint_colliding", "footprint_detour"];
-        Ok(self.driven(names, self.plans_by_footprint(footprint, known)?, is_clear))
+        Ok(self.driven(Self::FOOTPRINT_METRICS, self.plans_by_footprint(footprint, known)?, is_clear))
     }
 
     fn driven(

@@ -1,6 +1,7 @@
 //! The tables of a comparison, for reading.
 
 use score::Region;
+use score::navigation::Navigation;
 
 use super::plan::REFERENCE;
 use super::rows::{Difference, Repeat, Rows};
@@ -18,9 +19,6 @@ const SHOWN: [&str; 7] = ["log_loss", "brier", "ece", "iou", "retention", "phant
 
 /// The metrics of the table of drives, beside which recall says what a threshold finds.
 const DRIVEN: [&str; 5] = ["reached", "colliding", "detour", "recall_50", "recall_65"];
-
-/// The same of plans by footprint.
-const BY_FOOTPRINT: [&str; 3] = ["footprint_reached", "footprint_colliding", "footprint_detour"];
 
 /// Variants that take one idea away, or add one, and which.
 const ABLATIONS: [(&str, &str); 9] = [
@@ -136,7 +134,7 @@ pub fn drives(rows: &Rows, mappers: &[&str], width: Width) -> [Sheet; 2] {
             mappers,
             width,
             "The same, planned by the probability of an obstacle under the robot",
-            &BY_FOOTPRINT,
+            &Navigation::FOOTPRINT_METRICS,
         ),
     ]
 }

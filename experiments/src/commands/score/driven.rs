@@ -1,5 +1,6 @@
 //! Which of the maps may I drive on, as tables.
 
+use score::navigation::Navigation;
 use score::{Metric, Region};
 
 use super::rows::{Difference, Row};
@@ -8,13 +9,7 @@ use crate::page::Sheet;
 use crate::worlds::criteria::{Criterion, criterion};
 use crate::worlds::drives::REGION;
 
-/// Metrics of drives ...
-const OF_DRIVES: [&str; 3] = ["reached", "colliding", "detour"];
-
-/// ... those of plans by footprint, the map's cells being independent ...
-const BY_FOOTPRINT: [&str; 3] = ["footprint_reached", "footprint_colliding", "footprint_detour"];
-
-/// ... and what a threshold finds of surfaces, which is shown beside them.
+/// What a threshold finds of surfaces, which is shown beside the drives.
 const FOUND: [&str; 2] = ["recall_50", "recall_65"];
 
 /// The drives on a map less those on the first: the same pairs, without an interval, since they are all of one world.
@@ -34,12 +29,13 @@ pub(super) fn differences([own, first]: [&ScoredMap; 2]) -> Vec<Difference> {
             cells: ours.support.min(theirs.support),
         })
     };
-    OF_DRIVES.iter().chain(&BY_FOOTPRINT).filter_map(difference).collect()
+    Navigation::METRICS.iter().chain(&Navigation::FOOTPRINT_METRICS).filter_map(difference).collect()
 }
 
 /// A row per map, and what was driven in words; `value` is that of a map, a region and a metric.
 pub(super) fn sheet(maps: &[&str], worded: &str, value: &dyn Fn(&str, &str, &str) -> Option<f64>) -> Sheet {
-    let shown: Vec<&Criterion> = OF_DRIVES.iter().chain(&FOUND).filter_map(|metric| criterion(metric)).collect();
+    let shown: Vec<&Criterion> =
+        Navigation::METRICS.iter().chain(&FOUND).filter_map(|metric| criterion(metric)).collect();
     let row = |map: &&str| {
         let cell = |c: &&Criterion| {
             let value = value(map, c.region.unwrap_or(Region::All).name(), c.metric);
