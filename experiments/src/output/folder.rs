@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use super::ledger::{self, FileEntry, Ledger, RECORD, Sealed};
-use super::publication::Hidden;
+use super::publication::{Hidden, Lock};
 use crate::failure::Failure;
 use crate::jobs::interruption::{self, CleanUp};
 
@@ -60,7 +60,7 @@ pub struct Staging {
     new: bool,
     _clean_up: CleanUp,
     /// Held while the run lasts, so that two runs do not mix their files.
-    _lock: Option<File>,
+    _lock: Option<Lock>,
 }
 
 /// The results that an earlier run of the same command left.
@@ -353,10 +353,10 @@ fn identity(_: &Path) -> Option<(u64, u64)> {
 ///
 /// # Errors
 /// Another run holds it.
-fn lock(folder: &Path) -> Result<Option<File>, ()> {
+fn lock(folder: &Path) -> Result<Option<Lock>, ()> {
     let Ok(handle) = File::open(folder) else { return Ok(None) };
-    match handle.try_lock() {
-        Ok(()) => Ok(Some(handle)),
+    match Lock::take(handle) {
+        Ok(lock) => Ok(Some(lock)),
         Err(fs::TryLockError::WouldBlock) => Err(()),
         Err(fs::TryLockError::Error(_)) => Ok(None),
     }

@@ -36,7 +36,30 @@ pub struct Hidden {
     /// The hidden one.
     pub path: PathBuf,
     /// The owner's file, locked as long as the owner lives.
-    _alive: Option<File>,
+    _alive: Option<Lock>,
+}
+
+/// A lock on an open file or folder, given back when it goes.
+///
+/// Closing the file is not enough: a program that another thread is just starting holds a copy of every open file
+/// until it runs, and with it the lock.
+#[derive(Debug)]
+pub struct Lock(File);
+
+impl Lock {
+    /// The exclusive lock on an open file or folder.
+    ///
+    /// # Errors
+    /// Somebody else has it, or the system has no such locks.
+    pub fn take(file: File) -> Result<Self, fs::TryLockError> {
+        file.try_lock().map(|()| Self(file))
+    }
+}
+
+impl Drop for Lock {
+    fn drop(&mut self) {
+        let _ = self.0.unlock();
+    }
 }
 
 /// What is to happen: the journal.
@@ -75,14 +98,14 @@ impl Hidden {
         let path = folder.join(format!("{PREFIX}{}", unique()));
         fs::create_dir(&path)?;
         let made = File::create(path.join(OWNER)).and_then(|mut owner| {
-            let _ = owner.try_lock(); // some systems have no locks
             owner.write_all(owner_text(&path).as_bytes())?;
+            let alive = Lock::take(owner).ok(); // some systems have no locks
             fs::create_dir(path.join(NEW))?;
             fs::create_dir(path.join(FORMER))?;
-            Ok(owner)
+            Ok(alive)
         });
         match made {
-            Ok(owner) => Ok(Self { folder: folder.to_owned(), path, _alive: Some(owner) }),
+            Ok(alive) => Ok(Self { folder: folder.to_owned(), path, _alive: alive }),
             Err(error) => {
                 let _ = fs::remove_dir_all(&path);
                 Err(error)
@@ -107,9 +130,8 @@ impl Hidden {
         if !ours || fs::read_to_string(&owner).ok()? != owner_text(&path) {
             return None;
         }
-        let owner = File::open(&owner).ok()?;
-        owner.try_lock().ok()?;
-        Some(Self { folder: folder.to_owned(), path, _alive: Some(owner) })
+        let alive = Lock::take(File::open(&owner).ok()?).ok()?;
+        Some(Self { folder: folder.to_owned(), path, _alive: Some(alive) })
     }
 
     /// Where a new file of the given name is written.
@@ -283,4 +305,21 @@ fn put(from: &Path, to: &Path) -> io::Result<()> {
 fn sync(path: &Path) -> io::Result<()> {
     // Some systems cannot sync folders.
     fs::File::open(path)?.sync_all().or_else(|error| if path.is_dir() { Ok(()) } else { Err(error) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lock_that_is_given_back_is_free_whoever_still_holds_a_copy_of_the_file() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let hidden = Hidden::make(folder.path()).expect("writable");
+        // As a program does that is just being started.
+        let copy = hidden._alive.as_ref().map(|lock| lock.0.try_clone().expect("copied"));
+        assert!(Hidden::orphans(folder.path()).is_empty(), "its owner is alive");
+        drop(hidden);
+        assert_eq!(Hidden::orphans(folder.path()).len(), 1, "its owner is gone");
+        drop(copy);
+    }
 }
