@@ -41,12 +41,15 @@ impl FitRay {
 /// Steps of a fit, at most.
 const STEPS: usize = 60;
 
-/// Logarithms of the slope that a fit starts from on every [`FEW`]-th ray, since the loss may have several minima; that of a map as it is
-/// comes first.
-const STARTS: [f64; 3] = [0.0, 1.2, -1.2];
+/// Shifts and slopes of which the best are where a fit starts from, since the loss may have several minima.
+const GRID: [&[f64]; 2] =
+    [&[0.0, -1.0, 1.0, -2.0, 2.0, -4.0, 4.0, -6.0, 6.0], &[1.0, 0.1, 0.3, 0.6, 1.5, 2.5, 4.0, 8.0]];
 
-/// A start is chosen by one ray in so many.
-const FEW: usize = 8;
+/// So many of them.
+const STARTS: usize = 3;
+
+/// They are chosen by at most about so many rays.
+const FEW: usize = 1000;
 
 /// A step that gains less than this, nats per ray, is the last.
 const TOLERANCE: f64 = 1e-6;
@@ -78,10 +81,15 @@ impl Recalibration {
         let states = occupancy.values().iter().zip(seen.values());
         let cells: Vec<Cell> =
             states.map(|(p, seen)| if *seen { Cell::Seen(log_odds(*p)) } else { Cell::Unseen(*p) }).collect();
-        let some: Vec<&FitRay> = rays.iter().step_by(FEW).collect();
-        let rough = STARTS.map(|log_slope| Slope::descend(&some, &cells, [0.0, log_slope]));
-        let (_, start) = rough.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, [0.0; 2]));
-        let (_, [shift, log_slope]) = Slope::descend(&rays.iter().collect::<Vec<_>>(), &cells, start);
+        let all: Vec<&FitRay> = rays.iter().collect();
+        let some: Vec<&FitRay> = rays.iter().step_by(rays.len() / FEW + 1).collect();
+        let places = GRID[0].iter().flat_map(|shift| GRID[1].iter().map(|slope| [*shift, libm::log(*slope)]));
+        let mut places: Vec<(f64, [f64; 2])> = places.map(|at| (Slope::of(&some, &cells, at).loss, at)).collect();
+        places.sort_by(|a, b| a.0.total_cmp(&b.0)); // stable: of places that are as good, the one that changes least
+        let ends = places.iter().take(STARTS).map(|(_, start)| Slope::descend(&some, &cells, *start));
+        let ends = ends.map(|at| (Slope::of(&all, &cells, at).loss, at));
+        let (_, start) = ends.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, [0.0; 2]));
+        let [shift, log_slope] = Slope::descend(&all, &cells, start);
         Self { shift, slope: libm::exp(log_slope) }
     }
 }
@@ -105,8 +113,8 @@ struct Slope {
 }
 
 impl Slope {
-    /// Goes down from a place; the loss at the end, and where that is.
-    fn descend(rays: &[&FitRay], cells: &[Cell], mut at: [f64; 2]) -> (f64, [f64; 2]) {
+    /// Goes down from a place; where that ends.
+    fn descend(rays: &[&FitRay], cells: &[Cell], mut at: [f64; 2]) -> [f64; 2] {
         let (mut here, mut damping) = (Self::of(rays, cells, at), 1e-3);
         for _ in 0..STEPS {
             let to = here.step(at, damping);
@@ -121,7 +129,7 @@ impl Slope {
                 break;
             }
         }
-        (here.loss, at)
+        at
     }
 
     fn of(rays: &[&FitRay], cells: &[Cell], at: [f64; 2]) -> Self {
