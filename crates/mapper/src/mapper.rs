@@ -44,6 +44,11 @@ pub trait Mapper: Send {
         Work::uncounted(self.occupancy())
     }
 
+    /// Of the cells that [`work`](Self::work) counts, those that rays leapt over together, since nothing was left to learn of them.
+    fn skipped(&self) -> u64 {
+        0
+    }
+
     /// Whether the rule itself updates fewer cells than lie between sensors and readings: it throws readings away, cuts rays
     /// short, or updates a cell once for many rays.
     fn leaves_out(&self) -> bool {

@@ -10,7 +10,7 @@ use mapper::{FastVisibility, Lateral, Mapper as _, Model, Prior, Reconciliation,
 use proptest::prelude::*;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
-use sensor::{Pose, Scan, Stereo};
+use sensor::{Laser, Pose, Scan, SensorModel, Stereo};
 
 /// A scan from a random place: readings of walls, at random, and none.
 fn scan(rng: &mut ChaCha8Rng, spec: &GridSpec, columns: usize, stereo: &Stereo) -> Scan {
@@ -130,4 +130,61 @@ fn a_scan_of_too_many_rays_is_taken_in_passes() {
     assert_eq!(once.pairs(), twice.pairs());
     assert!(once.occupancy()[grid.locate([0.5, 0.07]).expect("inside")] < 0.01);
     assert_eq!(once.work().cells, twice.work().cells);
+}
+
+/// Range (m) from a place in a room to its walls.
+fn to_the_walls(spec: &GridSpec, pose: &Pose, bearing: f64, margin_m: f64) -> f64 {
+    let (at, along) = (pose.position_m(), pose.direction(bearing));
+    let size = [spec.width, spec.height].map(|cells| cells as f64 * spec.cell_m);
+    let to = |k: usize| {
+        let wall = if along[k] > 0.0 { size[k] - margin_m } else { margin_m };
+        if along[k] == 0.0 { f64::INFINITY } else { (wall - at[k]) / along[k] }
+    };
+    to(0).min(to(1))
+}
+
+/// A room that is looked at until its floor is settled, and then by readings that fit and others that do not. Rays leap over
+/// what is settled and are as far from the reference as where they do not.
+#[test]
+fn leaps_over_settled_space_change_nothing() {
+    let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: 130, height: 90 };
+    let (stereo, laser) = (Stereo::default(), Laser::default());
+    type Reading<'a> = &'a dyn Fn(f64, f64) -> f64;
+    let kinds: [(Arc<dyn SensorModel>, Reading); 2] =
+        [(Arc::new(stereo), &|range, bearing| stereo.disparity(range, bearing)), (Arc::new(laser), &|range, _| range)];
+    for (sensor, reading) in kinds {
+        let model = Model::new(grid, sensor);
+        for continuity in [true, false] {
+            let unseen = if continuity { FastVisibility::visibility } else { FastVisibility::independent };
+            let mut rng = ChaCha8Rng::seed_from_u64(7);
+            let mut fast = unseen(&model);
+            let mut skipped = 0;
+            for number in 0..60 {
+                let uniform = |rng: &mut ChaCha8Rng| rng.random::<f64>();
+                let (x_m, y_m) = (1.5 + 3.5 * uniform(&mut rng), 1.0 + 2.5 * uniform(&mut rng));
+                let pose = Pose { x_m, y_m, theta_rad: 7.0 * uniform(&mut rng) };
+                let bearings_rad: Vec<f64> = (0..150).map(|k| 0.012 * (f64::from(k) - 74.5)).collect();
+                let surprises = if number < 40 { 0.0 } else { 0.2 };
+                let range = |bearing: f64, rng: &mut ChaCha8Rng| {
+                    let range = to_the_walls(&grid, &pose, bearing, 0.4);
+                    if uniform(rng) < surprises { range * (0.1 + 1.3 * uniform(rng)) } else { range }
+                };
+                let readings = bearings_rad.iter().map(|b| Some(reading(range(*b, &mut rng), *b).min(59.0))).collect();
+                let scan = Scan { sensor: 0, time_s: 0.0, pose, bearings_rad, readings };
+                let before = (number >= 40).then(|| fast.pairs());
+                let leapt = fast.skipped();
+                fast.integrate(&scan);
+                if let Some(before) = before {
+                    let mut reference =
+                        if continuity { Visibility::exact(&model) } else { Visibility::independent(&model) };
+                    reference.set_pairs(before);
+                    reference.integrate(&scan);
+                    let found = difference(&fast.pairs(), reference.pairs());
+                    assert!(found < 1e-5, "{found} at {pose:?}, continuity {continuity}");
+                    skipped += fast.skipped() - leapt;
+                }
+            }
+            assert!(skipped > 20_000, "{skipped} cells were leapt over");
+        }
+    }
 }

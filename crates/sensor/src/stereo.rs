@@ -140,6 +140,12 @@ impl FastKernel for Stereo {
     }
 
     /// The density at the disparities from 0 up to that of the range.
+    fn constant_between(&self, reading: f64, bearing: f64) -> [f64; 2] {
+        let most = reading + self.reach() * self.disparity_sigma;
+        let cosine = libm::cos(bearing);
+        [0.0, if cosine > 0.0 { (1.0 - 1e-9) * self.focal_baseline / (most * cosine) } else { f64::INFINITY }]
+    }
+
     fn spread_from(&self, reading: f64, bearing: f64, range: f64) -> f64 {
         let cosine = libm::cos(bearing);
         if cosine <= 0.0 {
@@ -328,6 +334,14 @@ mod tests {
             } else {
                 prop_assert!(reading <= 8.5 * STEREO.disparity_sigma);
             }
+        }
+
+        #[test]
+        fn is_the_same_where_it_says(reading in 0.0f64..60.0, bearing in -1.6f64..1.6, ends in prop::array::uniform2(0.0f64..1.0)) {
+            let [from, until] = STEREO.constant_between(reading, bearing);
+            let floor = (1.0 - STEREO.correct_match) / STEREO.max_disparity;
+            let [enter, exit] = ends.map(|share| from + share * (until.min(1e6) - from));
+            prop_assert_eq!(likelihood(reading, bearing, enter.min(exit), enter.max(exit)).to_bits(), floor.to_bits());
         }
 
         #[test]

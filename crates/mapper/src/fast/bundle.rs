@@ -7,27 +7,55 @@
 use sensor::lanes::{Beams, LANES, Lanes, each};
 use sensor::{Ray, in_lanes};
 
-use crate::fast::budget::{CUT, EVIDENT, LEAST_EVIDENCE, NEGLIGIBLE, OPEN, UNMOVED};
+use crate::fast::budget::{CUT, EVIDENT, LEAPT, LEAST_EVIDENCE, NEGLIGIBLE, OPEN, UNMOVED};
 use crate::fast::inputs::Inputs;
 use crate::fast::lines::Lines;
-use crate::fast::sums::{Sums, rounded};
+use crate::fast::settled;
+use crate::fast::sums::{Entry, Sums, words};
 use crate::fast::tail::Tail;
 use crate::fast::tiles::Numbering;
-use crate::fast::trace::{Step, Trace, Transition};
+use crate::fast::trace::{LANDING, Step, Trace, Transition};
+use crate::fast::walk::Place;
 use crate::memory::Held;
 use crate::ray::past_the_map::PastTheMap;
 
 /// How far a ray moves cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Reach {
-    /// Number of cells.
-    pub(super) cells: u32,
-    /// Range at which it leaves the last of them, m.
+    /// The last of them.
+    pub(super) last: Place,
+    /// Range at which it leaves that, m.
     pub(super) end_m: f64,
-    /// Whether that is the border of the map.
+    /// Whether it reaches the border of the map.
     pub(super) whole: bool,
-    /// Whether single precision has no evidence for the reading; it has moved nothing then.
-    pub(super) unlikely: bool,
+}
+
+/// What became of a ray.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Outcome {
+    /// It was added as far as it moves cells.
+    Added(Reach),
+    /// Single precision has no evidence for the reading; nothing was added.
+    Unlikely,
+    /// It leapt where it should not have; nothing was added.
+    Leapt,
+}
+
+/// Cells that a ray passes without moving them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Passage {
+    /// Number of the ray.
+    pub(super) ray: u32,
+    /// Where it begins.
+    pub(super) from: Place,
+    /// Whether it passes this cell too, or the ones behind it alone.
+    pub(super) with_first: bool,
+    /// The cell before that and the edge between them; none where the ray begins.
+    pub(super) before: Option<[u32; 2]>,
+    /// Number of the last cell; none where it passes all up to `until_m`.
+    pub(super) last: Option<u32>,
+    /// Range at which it enters no more cells, m.
+    pub(super) until_m: f64,
 }
 
 /// Up to [`LANES`] rays. A buffer to fill again and again.
@@ -36,9 +64,56 @@ pub(super) struct Bundle {
     front: Front,
     /// Likelihoods of the last block of cells.
     likelihood: Vec<Lanes<f32>>,
+    /// What is followed no more, and the likelihood of all that lies behind.
+    cut: Lanes<bool>,
+    rest: Lanes<f32>,
+    leaps: Leaps,
     tail: Tail,
     /// Number of cells that rays were updated over.
     pub(super) cells: u64,
+    /// Number of cells that they leapt over.
+    pub(super) skipped: u64,
+}
+
+/// Where rays may leap, and have leapt.
+#[derive(Default)]
+struct Leaps {
+    /// Ranges between which the likelihood is flat, m.
+    flat_m: Lanes<[f64; 2]>,
+    /// The likelihood there.
+    likelihood: Lanes<f32>,
+    /// Probability that a ray ends in cells leapt over.
+    hit: Lanes<f32>,
+    /// Their number.
+    cells: Lanes<u32>,
+    /// The cells leapt over by rays of these lanes.
+    passages: Vec<(usize, Passage)>,
+}
+
+impl Leaps {
+    /// Rays with these readings, on their starts; none may leap where that is not `wanted`.
+    fn start(&mut self, inputs: &Inputs, beams: &Beams, wanted: bool) {
+        self.passages.clear();
+        (self.hit, self.cells, self.flat_m) = ([0.0; LANES], [0; LANES], [[0.0; 2]; LANES]);
+        if !wanted || inputs.others.is_some() {
+            return;
+        }
+        for l in 0..LANES {
+            let (reading, bearing) = (beams.reading[l], beams.bearing_rad[l]);
+            let [from_m, until_m] = inputs.sensor.constant_between(reading, bearing);
+            if from_m < until_m {
+                let mut likelihood = [0.0];
+                let middle_m = 0.5 * (from_m + until_m.min(from_m + 1.0));
+                inputs.sensor.likelihood(reading, bearing, &[middle_m, middle_m], &mut likelihood);
+                (self.flat_m[l], self.likelihood[l]) = ([from_m, until_m], likelihood[0] as f32);
+            }
+        }
+    }
+
+    /// Whether what a ray leapt over was as good as settled, given the evidence for its reading.
+    fn hold(&self, l: usize, evidence: f32) -> bool {
+        self.cells[l] == 0 || self.likelihood[l] <= evidence && self.hit[l] * self.likelihood[l] <= LEAPT * evidence
+    }
 }
 
 /// What is known in front of, and at, the current cell of every ray, weighted with the likelihood of the reading: `W_E`,
@@ -47,7 +122,7 @@ pub(super) struct Bundle {
 struct Front {
     hit_occupied: Lanes<f32>,
     hit_free: Lanes<f32>,
-    clear: Lanes<f32>,
+    clear: Lanes<f64>,
 }
 
 impl Front {
@@ -64,13 +139,13 @@ impl Front {
         for ((step, into), likelihood) in steps.iter_mut().zip(transitions).zip(likelihood) {
             let (t, u) = (into.stays, into.becomes);
             let leaves = each(|l| hit_occupied[l] * (1.0 - t[l])); // Eq. (5)
-            let begins = each(|l| (hit_free[l] + clear[l] * likelihood[l]) * u[l]); // Eq. (6)
+            let begins = each(|l| (hit_free[l] + clear[l] as f32 * likelihood[l]) * u[l]); // Eq. (6)
             step.differ_before = each(|l| previous[l] * (1.0 - t[l]) + (1.0 - previous[l]) * u[l]);
             step.differ_after = each(|l| leaves[l] + begins[l]);
             hit_occupied = each(|l| hit_occupied[l] * t[l] + begins[l]); // Eqs. (4), (6)
             hit_free = each(|l| leaves[l] + hit_free[l] * (1.0 - u[l])); // Eqs. (5), (7)
             let ahead = each(|l| clear[l] * into.passes[l]); // Eq. (13)
-            clear = each(|l| if ahead[l] < NEGLIGIBLE { 0.0 } else { ahead[l] });
+            clear = each(|l| if ahead[l] < f64::from(NEGLIGIBLE) { 0.0 } else { ahead[l] });
             step.after = hit_occupied;
             previous = step.before;
         }
@@ -96,22 +171,24 @@ impl Bundle {
             trace: Trace::new(numbering),
             front: Front::default(),
             likelihood: Vec::new(),
+            cut: [false; LANES],
+            rest: [0.0; LANES],
+            leaps: Leaps::default(),
             tail: Tail::default(),
             cells: 0,
+            skipped: 0,
         }
     }
 
-    /// Adds the posteriors of up to [`LANES`] rays with readings to the sums, as far as they move cells, and gives how far
-    /// that is. `first` is the number of the first among those of the scan. `bookmarks` becomes where the rays were before every
-    /// block of cells.
+    /// Adds the posteriors of up to [`LANES`] rays with readings to the sums, as far as they move cells, and tells what
+    /// became of each. `first` is the number of the first among those of the scan; they leap over settled patches, if wanted.
     pub(super) fn update(
         &mut self,
         inputs: &Inputs,
-        first: usize,
-        rays: &[Ray],
+        (first, rays): (usize, &[Ray]),
+        leap: bool,
         sums: &mut Sums,
-        bookmarks: &mut Vec<Lines>,
-    ) -> Lanes<Reach> {
+    ) -> Lanes<Outcome> {
         let mut beams = Beams::default();
         let mut lines = Lines::new(inputs.map.numbering);
         for (lane, ray) in rays.iter().enumerate() {
@@ -122,35 +199,53 @@ impl Bundle {
             }
         }
         self.trace.start(inputs, lines);
-        self.follow(inputs, first, &beams, bookmarks);
+        self.leaps.start(inputs, &beams, leap);
+        self.follow(inputs, first, &beams, rays);
         let followed = self.trace.length;
         self.cells += followed.iter().map(|length| u64::from(*length)).sum::<u64>();
+        self.skipped += self.leaps.cells.iter().map(|cells| u64::from(*cells)).sum::<u64>();
         let evidence = self.evidence(inputs, first, &beams, rays);
         let unlikely: Lanes<bool> =
             each(|l| followed[l] > 0 && !(evidence[l] > LEAST_EVIDENCE && evidence[l] < f32::INFINITY));
-        let likely = each(|l| if unlikely[l] { 0 } else { followed[l] });
+        let leapt: Lanes<bool> = each(|l| !self.leaps.hold(l, evidence[l]) || self.leaps.cells[l] > 0 && unlikely[l]);
+        let likely = each(|l| if unlikely[l] || leapt[l] { 0 } else { followed[l] });
         let normalise = evidence.map(|evidence| 1.0 / evidence); // alpha of Eq. (1)
         let steps = &self.trace.steps[..self.trace.taken];
         let reach = reach(steps, &likely, &normalise);
         // Cells of every ray that was followed to the border; more than any other has.
         let lines = &self.trace.lines;
-        let whole = each(|l| if lines.alive[l] <= 0.0 { likely[l] } else { u32::MAX });
+        let whole = each(|l| if lines.alive[l] <= 0.0 && !self.cut[l] { likely[l] } else { u32::MAX });
         let longest = reach.into_iter().max().unwrap_or(0) as usize;
         add(&steps[..longest], &reach, &whole, &normalise, sums);
         std::array::from_fn(|l| {
-            let last = reach[l] == likely[l];
-            let end_m = if last { lines.entered[l] } else { steps[reach[l] as usize].entered[l] };
-            Reach { cells: reach[l], end_m, whole: reach[l] == whole[l], unlikely: unlikely[l] }
+            if leapt[l] {
+                return Outcome::Leapt;
+            }
+            if unlikely[l] {
+                return Outcome::Unlikely;
+            }
+            let end_m = if reach[l] == likely[l] { lines.entered[l] } else { steps[reach[l] as usize].entered[l] };
+            let last = reach[l].checked_sub(1).map_or(lines.place(l), |k| {
+                let step = &steps[k as usize];
+                let at = inputs.map.numbering.column_row(step.cell[l]).map(|at| at as u32);
+                Place { at, entered: step.entered[l] }
+            });
+            Outcome::Added(Reach { last, end_m, whole: reach[l] == whole[l] })
         })
     }
 
+    /// The cells that rays of the last update have leapt over, with their lanes.
+    pub(super) fn passages(&self) -> &[(usize, Passage)] {
+        &self.leaps.passages
+    }
+
     /// Follows the rays, to the border or to where the rest moves nothing: the front pass of Eqs. (4)-(7).
-    fn follow(&mut self, inputs: &Inputs, first: usize, beams: &Beams, bookmarks: &mut Vec<Lines>) {
-        bookmarks.clear();
+    fn follow(&mut self, inputs: &Inputs, first: usize, beams: &Beams, rays: &[Ray]) {
         self.front = Front { clear: [1.0; LANES], ..Front::default() };
+        self.cut = [false; LANES];
         let mut previous = [0.0; LANES];
         while !self.trace.lines.done() {
-            bookmarks.push(self.trace.lines.clone());
+            rays.iter().enumerate().for_each(|(l, ray)| self.leap(l, inputs, ray, &mut previous));
             self.trace.go_on(inputs);
             let ranges = &self.trace.ranges;
             self.likelihood.resize(ranges.len() - 1, [0.0; LANES]);
@@ -160,52 +255,89 @@ impl Bundle {
             }
             let (steps, transitions) = self.trace.last_block();
             advance(&mut self.front, previous, steps, transitions, &self.likelihood);
-            let Some(last) = steps.last().map(|step| step.before) else { break };
-            previous = last;
-            let lines = &self.trace.lines;
-            if (0..LANES).all(|l| lines.alive[l] <= 0.0 || self.is_settled(l, inputs, first, beams, last[l])) {
-                break;
+            let Some(last) = steps.last().copied() else { break };
+            previous = last.before;
+            // Each by itself, so that it does not matter with which others it was taken.
+            for l in 0..LANES {
+                if self.trace.lines.alive[l] > 0.0 && self.is_settled(l, inputs, first, beams, &last) {
+                    (self.cut[l], self.rest[l]) = (true, self.likelihood[self.likelihood.len() - 1][l]);
+                    self.trace.end(l);
+                }
             }
         }
     }
 
-    /// Whether the cells that a ray has not crossed yet learn nothing: their likelihoods hardly differ, so that it does
-    /// not matter which of them is hit, and what is known of the cell before them, of `P(E) = before`, is what was known. Then the
-    /// chain goes on as it would without a reading, and what it differs by falls from cell to cell.
-    fn is_settled(&self, l: usize, inputs: &Inputs, first: usize, beams: &Beams, before: f32) -> bool {
+    /// Takes a ray over settled patches, if it is in one: the chain goes on from the cell behind them, where all hits that lie
+    /// before it have the one likelihood of this part of the kernel.
+    fn leap(&mut self, l: usize, inputs: &Inputs, ray: &Ray, previous: &mut Lanes<f32>) {
+        let [from_m, until_m] = self.leaps.flat_m[l];
+        let place = self.trace.lines.place(l);
+        if self.trace.lines.alive[l] <= 0.0 || place.entered < from_m || place.entered >= until_m {
+            return;
+        }
+        let Some(leap) = settled::leap(inputs.map, ray, place, until_m) else { return };
+        let last = Some(inputs.map.numbering.at(leap.landing.at));
+        let before = self.trace.before(l);
+        let passage = Passage { ray: 0, from: place, with_first: true, before, last, until_m: f64::INFINITY };
+        self.leaps.passages.push((l, passage));
+        self.trace.leap(l, inputs, ray, leap.landing);
+        let Front { hit_occupied, hit_free, clear } = &mut self.front;
+        let hit = clear[l] as f32 * leap.hazard;
+        (hit_occupied[l], hit_free[l]) = (0.0, hit_occupied[l] + hit_free[l] + hit * self.leaps.likelihood[l]);
+        clear[l] -= f64::from(hit);
+        previous[l] = 0.0;
+        self.leaps.hit[l] += hit;
+        self.leaps.cells[l] += leap.cells;
+    }
+
+    /// Whether the cells that a ray has not crossed yet learn nothing: their likelihoods hardly differ from that of the `last`, so
+    /// that it does not matter which of them is hit, and what is known of the last is what was known. Then the chain goes on
+    /// as it would without a reading, and what it differs by falls from cell to cell.
+    fn is_settled(&self, l: usize, inputs: &Inputs, first: usize, beams: &Beams, last: &Step) -> bool {
         let Some(likelihood) = self.likelihood.last() else { return false };
         let Front { hit_occupied, hit_free, clear } = self.front;
-        let evidence = hit_occupied[l] + hit_free[l] + clear[l] * likelihood[l];
-        let moved = (hit_occupied[l] - before * evidence).abs();
-        let from_m = self.trace.lines.entered[l];
+        let evidence = hit_occupied[l] + hit_free[l] + clear[l] as f32 * likelihood[l];
+        let moved = (hit_occupied[l] - last.before[l] * evidence).abs();
         let spread = || match inputs.others {
-            Some(others) => others.spread_from(first + l, from_m),
-            None => inputs.sensor.spread_from(beams.reading[l], beams.bearing_rad[l], from_m),
+            Some(others) => others.spread_from(first + l, last.entered[l]),
+            None => inputs.sensor.spread_from(beams.reading[l], beams.bearing_rad[l], last.entered[l]),
         };
-        moved <= CUT * evidence && f64::from(clear[l]) * spread() <= f64::from(CUT * evidence)
+        moved <= CUT * evidence && clear[l] * spread() <= f64::from(CUT * evidence)
     }
 
     /// `P(o | O)` of every ray: what the front pass adds up to, and what lies past the last cell. Where that is the
     /// map, any of its cells does.
     fn evidence(&mut self, inputs: &Inputs, first: usize, beams: &Beams, rays: &[Ray]) -> Lanes<f32> {
         let Front { hit_occupied, hit_free, clear } = self.front;
+        let clear = clear.map(|clear| clear as f32);
         let Trace { lines, length, .. } = &self.trace;
-        let goes_on: Lanes<bool> = lines.alive.map(|alive| alive > 0.0);
+        let goes_on = self.cut;
         let nothing = each(|l| OPEN * ((hit_occupied[l] + hit_free[l]) / EVIDENT).min(1.0));
-        let wanted: Lanes<bool> = each(|l| length[l] > 0 && clear[l] > nothing[l] && !goes_on[l]);
+        let mut wanted: Lanes<bool> = each(|l| length[l] > 0 && clear[l] > nothing[l] && !goes_on[l]);
         let mut none = [1.0; LANES];
         if let Some(others) = inputs.others {
             none = each(|l| if wanted[l] { others.past_the_map(first + l, lines.entered[l]) } else { 1.0 });
         } else if wanted != [false; LANES] {
-            let past = std::array::from_fn(|l| {
-                let direction = rays.get(l).map_or([1.0, 0.0], |ray| ray.direction);
-                PastTheMap::at(lines.entered[l], direction, inputs.map.numbering.spec().cell_m, inputs.onset)
+            let mut border = [[0.0; LANES]];
+            inputs.sensor.likelihood_lanes(beams, &[lines.entered; 2], &mut border);
+            let [border] = border;
+            // Where all that lies past the border is as likely as what lies on it.
+            let flat = each(|l| {
+                let spread = inputs.sensor.spread_from(beams.reading[l], beams.bearing_rad[l], lines.entered[l]);
+                let evidence = hit_occupied[l] + hit_free[l] + clear[l] * border[l];
+                f64::from(clear[l]) * spread <= f64::from(CUT * evidence)
             });
-            none = self.tail.likelihood(inputs.sensor, beams, &wanted, &past); // Eq. (7), k to infinity
+            wanted = each(|l| wanted[l] && !flat[l]);
+            if wanted != [false; LANES] {
+                let past = std::array::from_fn(|l| {
+                    let direction = rays.get(l).map_or([1.0, 0.0], |ray| ray.direction);
+                    PastTheMap::at(lines.entered[l], direction, inputs.map.numbering.spec().cell_m, inputs.onset)
+                });
+                none = self.tail.likelihood(inputs.sensor, beams, &wanted, &past); // Eq. (7), k to infinity
+            }
+            none = each(|l| if flat[l] { border[l] } else { none[l] });
         }
-        if let Some(last) = self.likelihood.last() {
-            none = each(|l| if goes_on[l] { last[l] } else { none[l] });
-        }
+        none = each(|l| if goes_on[l] { self.rest[l] } else { none[l] });
         each(|l| hit_occupied[l] + hit_free[l] + clear[l] * none[l])
     }
 }
@@ -252,21 +384,25 @@ in_lanes! {
 /// Adds the normalised posteriors of every ray to the sums of Eq. (20), up to its reach; `whole` is the number of its cells.
 #[inline(always)]
 fn add_normalised(steps: &[Step], reach: &Lanes<u32>, whole: &Lanes<u32>, normalise: &Lanes<f32>, sums: &mut Sums) {
-    let mut previous = [0usize; LANES];
+    let mut previous = [Entry::default(); LANES];
     for (k, step) in steps.iter().enumerate() {
-        let occupied = rounded(&std::array::from_fn(|l| step.after[l] * normalise[l]));
-        let differ = rounded(&std::array::from_fn(|l| step.differ_after[l] * normalise[l]));
+        let occupied = words(&each(|l| step.after[l] * normalise[l]));
+        let differ = words(&each(|l| step.differ_after[l] * normalise[l]));
         for l in 0..LANES {
             if k as u32 >= reach[l] {
                 continue;
             }
-            let cell = step.cell[l];
+            let (cell, edge) = (step.cell[l], step.edge[l]);
             let here = sums.entry(cell);
+            if edge == LANDING {
+                // A settled cell: it is passed, and only the edge behind it is not.
+                previous[l] = here;
+                continue;
+            }
             // A cell inside the ray is in two pairs, the first and the last are in one.
             let end = k == 0 || k as u32 + 1 == whole[l];
             sums.add_cell(here, if end { 1 } else { 2 }, occupied[l]);
             if k > 0 {
-                let edge = step.edge[l];
                 let up = edge / 2 != cell;
                 let (low, high) = if up { (previous[l], here) } else { (here, previous[l]) };
                 sums.add_edge(low, high, (edge % 2) as usize, differ[l]);

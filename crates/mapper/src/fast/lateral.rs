@@ -7,7 +7,7 @@ use crate::belief::lateral::Lateral;
 use crate::fast::bounds::{bounded, possible};
 use crate::fast::map::{Map, Tile};
 use crate::fast::reconcile::{Moved, first_of, follow, missing, patch, patch_mut, row};
-use crate::fast::sums::{ABOVE, BELOW, Entry, LEFT, RIGHT, Sums};
+use crate::fast::sums::{ABOVE, BELOW, LEFT, RIGHT, Sheet, Sums};
 use crate::fast::tiles::{PATCH, SIDE, split};
 use crate::memory::Held;
 
@@ -87,13 +87,13 @@ fn hop_by_hop(map: &mut Map, sums: &Sums, lateral: &Lateral, hops: usize, layers
 
 /// By how much rays alone move the cells of a patch.
 #[inline(always)]
-fn by_rays(occupied: &[f32; PATCH], sheet: &[Entry; PATCH]) -> Moved {
+fn by_rays(occupied: &[f32; PATCH], sheet: &Sheet) -> Moved {
     let mut moved = [0.0; PATCH];
     for r in 0..SIDE {
-        let (p, entries) = (row(occupied, r), &sheet[r * SIDE..(r + 1) * SIDE]);
-        let mean = each(|c| (entries[c].occupied / f64::from(entries[c].pairs() as i32)) as f32);
+        let (p, sums, pairs) = (row(occupied, r), sheet.occupied(r), sheet.pairs(r));
+        let mean = each(|c| (sums[c] / pairs[c]) as f32);
         for c in 0..SIDE {
-            moved[r * SIDE + c] = if entries[c].pairs() > 0 { mean[c] - p[c] } else { 0.0 };
+            moved[r * SIDE + c] = if pairs[c] > 0.0 { mean[c] - p[c] } else { 0.0 };
         }
     }
     moved
@@ -108,8 +108,8 @@ pub(super) fn open(map: &Map, sums: &mut Sums, hops: usize) {
     let rows = [(1, SIDE - hops..SIDE), (-1, 0..hops), (0, 0..SIDE)];
     for sheet in sums.sheets() {
         let first = first_of(sums, sheet);
-        let entries = sums.sheet(sheet);
-        let on_rays = (0..PATCH).fold(0u64, |cells, place| cells | u64::from(entries[place].pairs() > 0) << place);
+        let cells = sums.sheet(sheet);
+        let on_rays = (0..PATCH).fold(0u64, |on_rays, place| on_rays | u64::from(cells.is_touched(place)) << place);
         for (y, rows) in &rows {
             let cells = rows.clone().fold(0, |cells, number| cells | row(on_rays, number));
             for (x, _) in columns.iter().filter(|(x, columns)| (*x, *y) != (0, 0) && cells & columns != 0) {
@@ -172,7 +172,7 @@ fn shifted(row: &Lanes<f32>, beyond: f32, forward: bool) -> Lanes<f32> {
 fn marginals(
     (tile, from): (&Tile, usize),
     missing: &[u32; PATCH],
-    sheet: &[Entry; PATCH],
+    sheet: &Sheet,
     [right, above, left, below]: &[Side; 4],
     lateral: &Lateral,
     moved: &Moved,
@@ -182,10 +182,10 @@ fn marginals(
     let both = [0, 1].map(|axis| patch(&tile.both[axis], from));
     let (learnt, weight) = (lateral.learnt as f32, 2.0 * lateral.learnt + lateral.before);
     for r in 0..SIDE {
-        let entries = &sheet[r * SIDE..(r + 1) * SIDE];
         let (p, m, missing) = (row(occupied, r), row(moved, r), row(missing, r));
         let [to_right, to_above] = both.map(|both| row(both, r));
-        let edges = each(|c| entries[c].edges() | missing[c]);
+        let on_rays = sheet.edges(r);
+        let edges = each(|c| on_rays[c] | missing[c]);
         let up = if r + 1 < SIDE { [row(occupied, r + 1), row(moved, r + 1)] } else { [above.occupied, above.moved] };
         let down = if r > 0 {
             [row(occupied, r - 1), row(moved, r - 1), row(both[1], r - 1)]
@@ -211,8 +211,8 @@ fn marginals(
             learnt_of = each(|c| learnt_of[c] + counts[c] * (m[c] + gain[c] * moved[c]));
             off_rays = each(|c| off_rays[c] + counts[c]);
         }
-        let pairs = each(|c| f64::from(entries[c].pairs() as i32));
-        let sum = each(|c| (entries[c].occupied - pairs[c] * f64::from(p[c])) + f64::from(learnt * learnt_of[c]));
+        let (sums, pairs) = (sheet.occupied(r), sheet.pairs(r));
+        let sum = each(|c| (sums[c] - pairs[c] * f64::from(p[c])) + f64::from(learnt * learnt_of[c]));
         let number = each(|c| pairs[c] + weight * f64::from(off_rays[c]));
         let after = each(|c| p[c] + (sum[c] / number[c]) as f32);
         let after = each(|c| bounded(after[c]));
@@ -226,7 +226,7 @@ fn marginals(
 #[inline(always)]
 fn joints(
     (tile, from): (&mut Tile, usize),
-    sheet: &[Entry; PATCH],
+    sheet: &Sheet,
     [right, above]: &[Side; 2],
     after: [&Lanes<f32>; 2],
     lateral: &Lateral,
@@ -237,7 +237,6 @@ fn joints(
     let [to_right, to_above] = &mut tile.both;
     let both = [patch_mut(to_right, from), patch_mut(to_above, from)];
     for r in 0..SIDE {
-        let entries = &sheet[r * SIDE..(r + 1) * SIDE];
         let (p, m, d) = (row(occupied, r), row(moved, r), row(moves, r));
         let others = [
             [shifted(&p, right.occupied[r], true), shifted(&m, right.moved[r], true), shifted(&d, after[0][r], true)],
@@ -249,8 +248,8 @@ fn joints(
         ];
         for (axis, [q, other, e]) in others.iter().enumerate() {
             let old = row(both[axis], r);
-            let rays = each(|c| f64::from(entries[c].rays(axis) as i32));
-            let differ = each(|c| (entries[c].differ[axis] / rays[c]) as f32);
+            let (sums, rays) = (sheet.differ(axis, r), sheet.rays(axis, r));
+            let differ = each(|c| (sums[c] / rays[c]) as f32);
             let now = each(|c| [bounded(p[c] + d[c]), bounded(q[c] + e[c])]);
             let by_rays = each(|c| 0.5 * (now[c][0] + now[c][1] - differ[c]));
             // 1 - P(E_n | E) - P(E_n | not E): what the probability that the two differ learns from either.

@@ -3,6 +3,7 @@
 use sensor::lanes::{LANES, Lanes, each};
 
 use crate::fast::tiles::Numbering;
+use crate::fast::walk::Place;
 
 /// Lines on their way, a lane to each. A lane whose line has ended stays in its last cell.
 ///
@@ -78,10 +79,27 @@ impl Lines {
         let spec = *self.numbering.spec();
         let Some(cell) = spec.locate(origin) else { return false };
         let (column, row) = spec.column_row(cell);
-        self.column_row[0][lane] = column as u32;
-        self.column_row[1][lane] = row as u32;
+        let place = Place { at: [column as u32, row as u32], entered: 0.0 };
+        self.go_on_from(lane, origin, direction, place, until);
+        true
+    }
+
+    /// The same line from a cell on it.
+    pub(super) fn go_on_from(
+        &mut self,
+        lane: usize,
+        origin: [f64; 2],
+        direction: [f64; 2],
+        Place { at: [column, row], entered }: Place,
+        until: f64,
+    ) {
+        let spec = *self.numbering.spec();
+        self.column_row[0][lane] = column;
+        self.column_row[1][lane] = row;
+        self.entered[lane] = entered;
         self.alive[lane] = 1.0;
         self.until[lane] = until;
+        let (column, row) = (column as usize, row as usize);
         let starts = [(column, spec.width), (row, spec.height)];
         for (k, (axes, (at, limit))) in [&mut self.x, &mut self.y].into_iter().zip(starts).enumerate() {
             let (forward, still) = (direction[k] > 0.0, direction[k] == 0.0);
@@ -92,9 +110,13 @@ impl Lines {
             axes.behind[lane] = if forward { -1.0 } else { 0.0 };
             axes.line[lane] = (at + usize::from(forward)) as f64;
             axes.left[lane] = (if forward { limit - 1 - at } else { at }) as f64;
-            axes.look_ahead(spec.cell_m);
+            axes.next[lane] = axes.crossing(lane, spec.cell_m);
         }
-        true
+    }
+
+    /// The cell that a line is in.
+    pub(super) fn place(&self, lane: usize) -> Place {
+        Place { at: [self.column_row[0][lane], self.column_row[1][lane]], entered: self.entered[lane] }
     }
 
     /// Whether no line goes on.
@@ -157,8 +179,13 @@ impl Axes {
     /// As [`grid::DigitalLine`] has it, to the bit.
     #[inline(always)]
     fn look_ahead(&mut self, cell_m: f64) {
-        self.next =
-            each(|l| (self.grid_origin + self.line[l] * cell_m - self.origin[l]) * self.inverse[l] + self.never[l]);
+        self.next = each(|l| self.crossing(l, cell_m));
+    }
+
+    /// Range of the next grid line, m.
+    #[inline(always)]
+    fn crossing(&self, l: usize, cell_m: f64) -> f64 {
+        (self.grid_origin + self.line[l] * cell_m - self.origin[l]) * self.inverse[l] + self.never[l]
     }
 }
 

@@ -1,21 +1,61 @@
 //! The map of the fast mapper, in single precision.
 
 use grid::{GridSpec, Raster};
+use sensor::lanes::each;
 
 use crate::belief::prior::Continuity;
 use crate::fast::bounds::bounded;
-use crate::fast::tiles::{Numbering, TILE, Tiles, split};
+use crate::fast::budget::SETTLED;
+use crate::fast::tiles::{Numbering, PATCH, SIDE, TILE, Tiles, split};
 use crate::model::Model;
 use crate::pairs::grid::PairwiseGrid;
 use crate::pairs::joint::bounds;
 
-/// A tile of the map: 12 bytes per cell.
+/// A tile of the map: 12 bytes per cell, and 8 per patch.
 #[derive(Debug, Clone)]
 pub(super) struct Tile {
     /// `P(E_i)`.
     pub(super) occupied: [f32; TILE],
     /// `P(E_i, E_j)` with the right and the upper neighbour; not used where cells are independent.
     pub(super) both: [[f32; TILE]; 2],
+    summaries: [Summary; TILE / PATCH],
+}
+
+/// What a ray needs to know of a patch to leap over it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Summary {
+    /// The largest `P(E)` of its cells.
+    pub(super) most: f32,
+    /// Mean of `P(E_{j+1} | not E_j)` over the edges between them.
+    pub(super) onset: f32,
+}
+
+impl Summary {
+    fn of(tile: &Tile, from: usize, continuity: Continuity) -> Self {
+        let cells = &tile.occupied[from..from + PATCH];
+        let (rows, _) = cells.as_chunks::<SIDE>();
+        let most = rows.iter().fold([0.0; SIDE], |most, row| each(|c| if row[c] > most[c] { row[c] } else { most[c] }));
+        let most = most.into_iter().fold(0.0, f32::max);
+        // Of no other patch it is asked.
+        let onset = if most <= SETTLED { Self::onset(tile, from, continuity) } else { 1.0 };
+        Self { most, onset }
+    }
+
+    fn onset(tile: &Tile, from: usize, continuity: Continuity) -> f32 {
+        let inside = |axis: usize| (0..PATCH).filter(move |place| [place % SIDE, place / SIDE][axis] + 1 < SIDE);
+        let edges = [(0, 1), (1, SIDE)]
+            .into_iter()
+            .flat_map(|(axis, ahead)| inside(axis).map(move |place| (axis, place, ahead)));
+        let becomes = |(axis, place, ahead): (usize, usize, usize)| {
+            let [p, q] = [place, place + ahead].map(|place| tile.occupied[from + place]);
+            let both = match continuity {
+                Continuity::Kept => tile.both[axis][from + place],
+                Continuity::Ignored => p * q,
+            };
+            (q - both) / (1.0 - p)
+        };
+        edges.map(becomes).sum::<f32>() / (2 * SIDE * (SIDE - 1)) as f32
+    }
 }
 
 /// The map.
@@ -29,7 +69,8 @@ impl Map {
     pub(super) fn unseen(model: &Model) -> Self {
         let pair = PairwiseGrid::prior(GridSpec { width: 2, height: 1, ..model.grid }, &model.prior);
         let occupied = bounded(pair.marginal[0] as f32);
-        let unseen = Tile { occupied: [occupied; TILE], both: [[pair.both[0] as f32; TILE]; 2] };
+        let summaries = [Summary { most: occupied, onset: occupied }; TILE / PATCH];
+        let unseen = Tile { occupied: [occupied; TILE], both: [[pair.both[0] as f32; TILE]; 2], summaries };
         Self::new(Numbering::new(model.grid), unseen)
     }
 
@@ -55,6 +96,20 @@ impl Map {
             Continuity::Ignored => p * q,
         };
         [p, q, both]
+    }
+
+    /// What a ray needs to know of the patch of a cell.
+    #[inline(always)]
+    pub(super) fn summary(&self, cell: u32) -> Summary {
+        let (tile, place) = split(cell);
+        self.at(tile).summaries[place / PATCH]
+    }
+
+    /// Brings up to date what is known of a patch whose cells have moved.
+    pub(super) fn summarise(&mut self, patch: usize, continuity: Continuity) {
+        let (tile, from) = split((patch * PATCH) as u32);
+        let tile = self.make(tile);
+        tile.summaries[from / PATCH] = Summary::of(tile, from, continuity);
     }
 
     /// `P(E_i)` of all cells of the grid.

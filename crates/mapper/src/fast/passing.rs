@@ -3,58 +3,92 @@
 
 use grid::GridSpec;
 use sensor::Ray;
-use sensor::lanes::LANES;
+use sensor::lanes::{LANES, Lanes, each};
 
-use crate::fast::bundle::Reach;
+use crate::fast::bundle::{Passage, Reach};
 use crate::fast::inputs::Inputs;
 use crate::fast::lines::Lines;
-use crate::fast::sums::{LEFT, Sums, rounded_one};
+use crate::fast::sums::{Sums, word};
 use crate::fast::tiles::PATCH;
-use crate::fast::trace::BLOCK;
+use crate::fast::walk::Walk;
 
-/// Adds to the sums, of every ray, the cells past its reach that another ray moves, unmoved, or those in patches
-/// with a sheet where cells learn across rays. Which those are is in `before`, or else in the sums themselves.
-///
-/// All rays start in one place: such a cell is within the angle under which a cell is seen from there, and not
-/// farther than the ray that reached farthest within that angle.
-pub(super) fn add(
-    inputs: &Inputs,
-    reach: &[Reach],
-    until_m: &[f64],
-    bookmarks: &[Vec<Lines>],
-    (before, sums): (Option<&Sums>, &mut Sums),
-) {
-    let bundles = reach.chunks(LANES).zip(until_m.chunks(LANES)).zip(bookmarks);
-    for ((reach, until_m), bookmarks) in bundles {
-        let open = |lane: usize| !reach[lane].whole && until_m[lane] > reach[lane].end_m;
-        let Some(least) = (0..reach.len()).filter(|lane| open(*lane)).map(|lane| reach[lane].cells).min() else {
-            continue;
-        };
-        // The cell before the first passing one is needed too.
-        let block = (least as usize - 1) / BLOCK;
-        let mut lines = bookmarks[block].clone();
-        let mut previous = lines.cell();
-        let mut edge = [0; LANES];
-        for k in (block * BLOCK) as u32.. {
-            let (cell, entered, alive) = (lines.cell(), lines.entered, lines.alive);
-            let step = lines.step();
-            if k >= least {
-                let mut any = false;
-                for lane in 0..reach.len() {
-                    let inside = !reach[lane].whole && alive[lane] > 0.0 && entered[lane] <= until_m[lane];
-                    any |= inside;
-                    if inside && k >= reach[lane].cells {
-                        let pairs = if lines.alive[lane] > 0.0 { 2 } else { 1 };
-                        pass(inputs, (before, sums), [previous[lane], cell[lane]], edge[lane], pairs);
-                    }
-                }
-                if !any {
-                    break;
-                }
-            }
-            previous = cell;
-            edge = step.edge;
+/// The cells behind those that rays have moved, up to `until_m` (m) of each, in which others of the scan may have moved some.
+pub(super) fn behind(reach: &[Reach], until_m: &[f64]) -> impl Iterator<Item = Passage> {
+    let passages =
+        reach.iter().zip(until_m).enumerate().filter(|(_, (reach, until_m))| !reach.whole && **until_m > reach.end_m);
+    passages.map(|(ray, (reach, &until_m))| Passage {
+        ray: ray as u32,
+        from: reach.last,
+        with_first: false,
+        before: None,
+        last: None,
+        until_m,
+    })
+}
+
+/// Adds to the sums the cells that rays pass and that another ray moves, unmoved, or those in patches with a sheet where cells
+/// learn across rays. Which those are is in `before`, or else in the sums themselves.
+pub(super) fn add(inputs: &Inputs, rays: &[Ray], passages: &[Passage], (before, sums): (Option<&Sums>, &mut Sums)) {
+    let mut runs = Vec::new();
+    passages
+        .iter()
+        .for_each(|passage| find(inputs, &rays[passage.ray as usize], passage, before.unwrap_or(sums), &mut runs));
+    for runs in runs.chunks(LANES) {
+        let mut lines = Lines::new(inputs.map.numbering);
+        for (lane, run) in runs.iter().enumerate() {
+            let ray = &rays[run.ray as usize];
+            lines.go_on_from(lane, ray.origin_m, ray.direction, run.from, f64::INFINITY);
         }
+        let mut open: Lanes<bool> = each(|lane| lane < runs.len());
+        let mut previous: Lanes<Option<[u32; 2]>> = [None; LANES];
+        runs.iter().zip(&mut previous).for_each(|(run, previous)| *previous = run.before);
+        for k in 0.. {
+            let (cell, entered) = (lines.cell(), lines.entered);
+            let step = lines.step();
+            for (lane, run) in runs.iter().enumerate() {
+                let goes_on = lines.alive[lane] > 0.0;
+                open[lane] &= entered[lane] <= run.until_m;
+                if !open[lane] {
+                    continue;
+                }
+                if k > 0 || run.with_first {
+                    // The first cell of a ray and its last are in one pair each.
+                    let pairs = if previous[lane].is_some() && goes_on { 2 } else { 1 };
+                    pass(inputs, (before, sums), previous[lane], cell[lane], pairs);
+                }
+                previous[lane] = Some([cell[lane], step.edge[lane]]);
+                open[lane] = goes_on && run.last != Some(cell[lane]);
+            }
+            if open == [false; LANES] {
+                break;
+            }
+        }
+    }
+}
+
+/// The parts of a passage in patches with a sheet, each from the cell before them to the cell behind them.
+fn find(inputs: &Inputs, ray: &Ray, passage: &Passage, sums: &Sums, runs: &mut Vec<Passage>) {
+    let numbering = &inputs.map.numbering;
+    let mut walk = Walk::new(numbering, ray.origin_m, ray.direction, passage.from);
+    // The run that is open, and what one begins with that is opened now.
+    let mut run: Option<Passage> = None;
+    let mut begin = Passage { last: None, ..*passage };
+    loop {
+        let place = walk.place;
+        let number = numbering.at(place.at);
+        if sums.sheet_of(number as usize / PATCH).is_some() {
+            run = run.or(Some(begin));
+        } else if let Some(run) = run.take() {
+            runs.push(Passage { last: Some(number), ..run });
+        }
+        let crossing = walk.crossing();
+        let ends = passage.last.is_some_and(|last| last as usize / PATCH == number as usize / PATCH);
+        let Some(next) = crossing.next.filter(|next| !ends && next.entered <= passage.until_m) else {
+            runs.extend(run.map(|run| Passage { last: passage.last, ..run }));
+            return;
+        };
+        begin = Passage { from: crossing.last, with_first: false, before: None, last: None, ..*passage };
+        walk.place = next;
     }
 }
 
@@ -62,32 +96,31 @@ pub(super) fn add(
 fn pass(
     inputs: &Inputs,
     (before, sums): (Option<&Sums>, &mut Sums),
-    [previous, cell]: [u32; 2],
-    edge: u32,
+    previous: Option<[u32; 2]>,
+    cell: u32,
     pairs: u32,
 ) {
     let counts = |sums: &Sums, cell: u32| match inputs.hops {
         0 => before.unwrap_or(sums).is_touched(cell),
         _ => before.unwrap_or(sums).sheet_of(cell as usize / PATCH).is_some(),
     };
-    let (here, there) = (counts(sums, cell), counts(sums, previous));
-    if !here && !there {
-        return;
-    }
+    let here = counts(sums, cell);
     if here {
         let entry = sums.entry(cell);
-        sums.add_cell(entry, pairs, f64::from(inputs.map.occupied(cell)));
+        sums.add_cell(entry, pairs, word(f64::from(inputs.map.occupied(cell))));
     }
+    let Some([previous, edge]) = previous.filter(|[previous, _]| here || counts(sums, *previous)) else { return };
     let (low, axis) = (edge / 2, (edge % 2) as usize);
     let high = if previous == low { cell } else { previous };
     if counts(sums, high) {
         let entry = sums.entry(high);
-        sums.at(entry).mark(LEFT << axis);
+        sums.mark(entry, axis);
     }
-    if counts(sums, low) {
+    // A settled cell that no ray moves has a sheet where one has landed in it: that ray has added the edge.
+    if before.unwrap_or(sums).sheet_of(low as usize / PATCH).is_some() {
         let [p, q, both] = inputs.map.pair([low, high], axis, inputs.continuity);
         let entry = sums.entry(low);
-        sums.at(entry).add_differ(axis, rounded_one(p + q - 2.0 * both));
+        sums.add_differ(entry, axis, word(p + q - 2.0 * both));
     }
 }
 

@@ -6,7 +6,7 @@ use sensor::lanes::{Lanes, each};
 use crate::belief::prior::Continuity;
 use crate::fast::bounds::{bounded, possible};
 use crate::fast::map::{Map, Tile};
-use crate::fast::sums::{ABOVE, BELOW, Entry, LEFT, RIGHT, Sums};
+use crate::fast::sums::{ABOVE, BELOW, LEFT, RIGHT, Sheet, Sums};
 use crate::fast::tiles::{Numbering, PATCH, SIDE, TILE, split};
 
 /// By how much the cells of a patch moved.
@@ -89,16 +89,21 @@ pub(super) fn missing(numbering: &Numbering, first: u32) -> [u32; PATCH] {
 
 /// The first pass: a cell is the mean of its rays and, for every edge that no ray runs along, of what it was, Eq. (20).
 #[inline(always)]
-fn marginals(occupied: &mut [f32; PATCH], sheet: &[Entry; PATCH], missing: &[u32; PATCH], moved: &mut Moved) {
+fn marginals(occupied: &mut [f32; PATCH], sheet: &Sheet, missing: &[u32; PATCH], moved: &mut Moved) {
     for r in 0..SIDE {
-        let entries = &sheet[r * SIDE..(r + 1) * SIDE];
+        if !sheet.is_busy(r) {
+            moved[r * SIDE..(r + 1) * SIDE].fill(0.0);
+            continue;
+        }
         let (p, missing) = (row(occupied, r), row(missing, r));
-        let edges = each(|c| entries[c].edges() | missing[c]);
+        let on_rays = sheet.edges(r);
+        let edges = each(|c| on_rays[c] | missing[c]);
         let off_rays = each(|c| 4 - ((edges[c] & 1) + ((edges[c] >> 1) & 1) + ((edges[c] >> 2) & 1) + (edges[c] >> 3)));
-        let sum = each(|c| entries[c].occupied + f64::from(off_rays[c] as i32) * f64::from(p[c]));
-        let number = each(|c| f64::from((entries[c].pairs() + off_rays[c]) as i32));
-        let mean = each(|c| (sum[c] / number[c]) as f32);
-        let mean = each(|c| bounded(mean[c]));
+        let off_rays = each(|c| off_rays[c] as i32 as f32);
+        let (sums, pairs) = (sheet.occupied(r), sheet.pairs(r));
+        let sum = each(|c| sums[c] as f32 + off_rays[c] * p[c]);
+        let number = each(|c| pairs[c] as f32 + off_rays[c]);
+        let mean = each(|c| bounded(sum[c] / number[c]));
         // A cell alone in its grid has no edge.
         let after = each(|c| if number[c] > 0.0 { mean[c] } else { p[c] });
         for c in 0..SIDE {
@@ -120,23 +125,27 @@ fn ahead(map: &Map, sums: &Sums, moved: &[Moved], first: u32, axis: usize) -> [L
 
 /// The second pass: the edges to the right and to the upper neighbours.
 #[inline(always)]
-fn joints(tile: &mut Tile, from: usize, sheet: &[Entry; PATCH], moved: &Moved, ahead: &[[Lanes<f32>; 2]; 2]) {
+fn joints(tile: &mut Tile, from: usize, sheet: &Sheet, moved: &Moved, ahead: &[[Lanes<f32>; 2]; 2]) {
     let [[right, right_moved], [above, above_moved]] = ahead;
     let occupied = patch(&tile.occupied, from);
     let [to_right, to_above] = &mut tile.both;
     let both = [patch_mut(to_right, from), patch_mut(to_above, from)];
     for r in 0..SIDE {
-        let entries = &sheet[r * SIDE..(r + 1) * SIDE];
+        let beyond = if r + 1 < SIDE { row(moved, r + 1) } else { *above_moved };
+        if !sheet.is_busy(r) && beyond.iter().chain([&right_moved[r]]).all(|moved| moved.abs() <= 0.0) {
+            continue;
+        }
         let (p, m) = (row(occupied, r), row(moved, r));
         let along = |row: &Lanes<f32>, last: f32| each(|c| if c + 1 < SIDE { row[(c + 1) % SIDE] } else { last });
         let others = [
             (along(&p, right[r]), along(&m, right_moved[r])),
-            if r + 1 < SIDE { (row(occupied, r + 1), row(moved, r + 1)) } else { (*above, *above_moved) },
+            (if r + 1 < SIDE { row(occupied, r + 1) } else { *above }, beyond),
         ];
         for (axis, (q, other)) in others.iter().enumerate() {
             let old = row(both[axis], r);
-            let rays = each(|c| f64::from(entries[c].rays(axis) as i32));
-            let differ = each(|c| (entries[c].differ[axis] / rays[c]) as f32);
+            let (sums, rays) = (sheet.differ(axis, r), sheet.rays(axis, r));
+            let rays = each(|c| rays[c] as f32);
+            let differ = each(|c| sums[c] as f32 / rays[c]);
             let by_rays = each(|c| 0.5 * (p[c] + q[c] - differ[c]));
             let kept = each(|c| old[c] + 0.5 * (m[c] + other[c]));
             for c in 0..SIDE {

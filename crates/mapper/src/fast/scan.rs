@@ -13,14 +13,14 @@ use sensor::{Ray, SensorModel};
 
 use crate::belief::lateral::Lateral;
 use crate::belief::prior::Continuity;
-use crate::fast::bundle::{Bundle, Reach};
+use crate::fast::bundle::{Bundle, Outcome, Passage, Reach};
 use crate::fast::inputs::Inputs;
 use crate::fast::lateral::Layers;
-use crate::fast::lines::Lines;
 use crate::fast::map::Map;
 use crate::fast::reconcile::Moved;
-use crate::fast::sums::{Sums, rounded_one};
+use crate::fast::sums::{Sums, word};
 use crate::fast::tiles::Numbering;
+use crate::fast::walk::Place;
 use crate::fast::{lateral, passing, reconcile, touched};
 use crate::memory::Held;
 use crate::pairs::reconcile::Reconciliation;
@@ -90,8 +90,8 @@ struct Worker {
     slow: RayUpdate,
     /// How far each of its rays moves cells.
     reach: Vec<Reach>,
-    /// Where the lines of every bundle were, block by block.
-    bookmarks: Vec<Vec<Lines>>,
+    /// The cells that its rays have leapt over.
+    passages: Vec<Passage>,
 }
 
 impl Workspace {
@@ -100,8 +100,8 @@ impl Workspace {
         Self { numbering, workers, moved: Vec::new(), layers: Layers::default() }
     }
 
-    /// Phase 2; gives the number of cells that rays were updated over.
-    pub(super) fn update_rays(&mut self, inputs: &Inputs, selection: &Selection) -> u64 {
+    /// Phase 2; gives the numbers of cells that rays were updated over, and that they leapt over.
+    pub(super) fn update_rays(&mut self, inputs: &Inputs, selection: &Selection) -> [u64; 2] {
         while self.workers.len() < selection.threads {
             self.workers.push(Worker::new(self.numbering));
         }
@@ -110,7 +110,9 @@ impl Workspace {
             worker.update(inputs, thread * selection.share, selection.share_of(&selection.rays, thread));
         });
         merge(workers);
-        workers.iter_mut().map(|worker| std::mem::take(&mut worker.bundle.cells)).sum()
+        workers.iter_mut().fold([0; 2], |[cells, skipped], Worker { bundle, .. }| {
+            [cells + std::mem::take(&mut bundle.cells), skipped + std::mem::take(&mut bundle.skipped)]
+        })
     }
 
     /// Phase 3.
@@ -123,9 +125,10 @@ impl Workspace {
         let until_m = passing::farthest(self.numbering.spec(), &selection.rays, &reach, 1 + inputs.hops);
         // Several threads read what one of them alone can add to meanwhile.
         let before = (workers.len() > 1).then(|| std::mem::replace(&mut workers[0].sums, Sums::new(self.numbering)));
-        together(workers, |thread, Worker { reach, bookmarks, sums, .. }| {
-            let until_m = selection.share_of(&until_m, thread);
-            passing::add(inputs, reach, until_m, bookmarks, (before.as_ref(), sums));
+        together(workers, |thread, Worker { reach, passages, sums, .. }| {
+            let (rays, until_m) = (selection.share_of(&selection.rays, thread), selection.share_of(&until_m, thread));
+            passages.extend(passing::behind(reach, until_m));
+            passing::add(inputs, rays, passages, (before.as_ref(), sums));
         });
         if let Some(before) = before {
             let mut added = std::mem::replace(&mut workers[0].sums, before);
@@ -141,6 +144,7 @@ impl Workspace {
             Reconciliation::AllEdges => reconcile::all_edges(map, continuity, sums, &mut self.moved),
             Reconciliation::Touched => touched::touched(map, continuity, sums),
         }
+        sums.sheets().for_each(|sheet| map.summarise(sums.patch(sheet), continuity));
         sums.clear();
     }
 
@@ -148,6 +152,7 @@ impl Workspace {
     pub(super) fn reconcile_laterally(&mut self, map: &mut Map, lateral: &Lateral, hops: usize) {
         let sums = &mut self.workers[0].sums;
         lateral::reconcile(map, sums, lateral, hops, &mut self.layers);
+        sums.sheets().for_each(|sheet| map.summarise(sums.patch(sheet), Continuity::Kept));
         sums.clear();
     }
 }
@@ -174,6 +179,9 @@ fn merge(workers: &mut [Worker]) {
     }
 }
 
+/// The reach of a ray that passes no cell behind those that were added.
+const NOWHERE: Reach = Reach { last: Place { at: [0; 2], entered: 0.0 }, end_m: 0.0, whole: true };
+
 impl Worker {
     fn new(numbering: Numbering) -> Self {
         Self {
@@ -181,20 +189,38 @@ impl Worker {
             sums: Sums::new(numbering),
             slow: RayUpdate::default(),
             reach: Vec::new(),
-            bookmarks: Vec::new(),
+            passages: Vec::new(),
         }
     }
 
-    /// Takes rays, the first of which has the given number among those of the scan.
+    /// Takes rays, the first of which has the given number among those of the scan. Those that should not have leapt are taken
+    /// once more, together.
     fn update(&mut self, inputs: &Inputs, first: usize, rays: &[Ray]) {
-        self.bookmarks.resize_with(rays.len().div_ceil(LANES), Vec::new);
+        self.passages.clear();
         self.reach.clear();
+        self.reach.resize(rays.len(), NOWHERE);
+        let mut again = Vec::new();
         for (number, rays) in rays.chunks(LANES).enumerate() {
-            let first = first + number * LANES;
-            let reach = self.bundle.update(inputs, first, rays, &mut self.sums, &mut self.bookmarks[number]);
-            for ((k, ray), reach) in rays.iter().enumerate().zip(reach) {
-                let reach = if reach.unlikely { self.update_slowly(inputs, first + k, ray) } else { reach };
-                self.reach.push(reach);
+            let number = number * LANES;
+            let outcomes = self.bundle.update(inputs, (first + number, rays), true, &mut self.sums);
+            for ((k, ray), outcome) in (number..).zip(rays).zip(outcomes) {
+                match outcome {
+                    Outcome::Added(reach) => self.reach[k] = reach,
+                    Outcome::Unlikely => self.reach[k] = self.update_slowly(inputs, first + k, ray),
+                    Outcome::Leapt => again.push(k),
+                }
+            }
+            let passages = self.bundle.passages().iter().filter(|(l, _)| outcomes[*l] != Outcome::Leapt);
+            self.passages.extend(passages.map(|(l, passage)| Passage { ray: (number + l) as u32, ..*passage }));
+        }
+        for numbers in again.chunks(LANES) {
+            let rays: Vec<Ray> = numbers.iter().map(|k| rays[*k]).collect();
+            let outcomes = self.bundle.update(inputs, (first, &rays), false, &mut self.sums);
+            for ((k, ray), outcome) in numbers.iter().zip(&rays).zip(outcomes) {
+                self.reach[*k] = match outcome {
+                    Outcome::Added(reach) => reach,
+                    _ => self.update_slowly(inputs, first + k, ray),
+                };
             }
         }
     }
@@ -218,16 +244,16 @@ impl Worker {
         let cells = ray.line.cells();
         if let &[only] = cells {
             let entry = sums.entry(numbering.of(only));
-            sums.add_cell(entry, 1, rounded_one(posterior.first));
+            sums.add_cell(entry, 1, word(posterior.first));
         }
         for (pair, joint) in cells.windows(2).zip(&posterior.pairs) {
             let [first, second] = [pair[0], pair[1]].map(|cell| sums.entry(numbering.of(cell)));
-            sums.add_cell(first, 1, rounded_one(joint.first()));
-            sums.add_cell(second, 1, rounded_one(joint.second()));
+            sums.add_cell(first, 1, word(joint.first()));
+            sums.add_cell(second, 1, word(joint.second()));
             let edge = spec.edge_between(pair[0], pair[1]);
             let (low, high) = if edge / 2 == pair[0] { (first, second) } else { (second, first) };
-            sums.add_edge(low, high, edge % 2, rounded_one(joint.ef + joint.fe));
+            sums.add_edge(low, high, edge % 2, word(joint.ef + joint.fe));
         }
-        Reach { cells: cells.len() as u32, end_m: ray.line.ranges()[cells.len()], whole: true, unlikely: true }
+        Reach { end_m: ray.line.ranges()[cells.len()], ..NOWHERE }
     }
 }

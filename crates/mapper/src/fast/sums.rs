@@ -1,23 +1,24 @@
 //! The posteriors of a scan, summed over its rays: the moments of [`crate::Moments`] where the scan touched the map.
 
-use sensor::lanes::{LANES, Lanes};
+use sensor::lanes::{LANES, Lanes, each};
 
-use crate::fast::tiles::{Numbering, PATCH, TILE};
+use crate::fast::tiles::{Numbering, PATCH, SIDE, TILE};
 use crate::memory::Held;
 
-/// Sums over the rays through a cell, and along the edges to its right and upper neighbour: 32 bytes.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct Entry {
-    /// Sum of `P(E)` over the pairs of cells that rays ran along, once for each.
-    pub(super) occupied: f64,
-    /// Sums of the probability that the cell and its right, or upper, neighbour differ.
-    pub(super) differ: [f64; 2],
-    /// From the lowest bit on, 20 bits each: over how many rays those sums are, and over how many pairs that of `P(E)`;
-    /// in the last 4 the edges.
-    counts: u64,
-}
+/// Bits of a word that count; the others sum.
+const COUNT_BITS: u32 = 20;
 
-const COUNT: u64 = (1 << 20) - 1;
+/// Those that count the pairs of a cell: two bits less, which mark edges.
+const PAIRS: u64 = (1 << (COUNT_BITS - 2)) - 1;
+
+/// Those that count the rays along an edge.
+const RAYS: u64 = (1 << COUNT_BITS) - 1;
+
+/// The mark of the edge to the left; that of the edge below is one bit higher.
+const LEFT_MARK: u64 = 1 << (COUNT_BITS - 2);
+
+/// Both marks.
+const MARKS: u64 = 3 * LEFT_MARK;
 
 /// An edge of a cell.
 pub(super) const RIGHT: u32 = 1;
@@ -28,46 +29,124 @@ pub(super) const LEFT: u32 = 4;
 /// An edge of a cell.
 pub(super) const BELOW: u32 = 8;
 
-impl Entry {
-    /// How many rays ran along the edge to the right (0) or upper (1) neighbour.
+/// A word that counts one, and sums a probability in units of 2^-27.
+pub(super) type Word = u64;
+
+/// Units of one.
+const UNITS: f64 = 134_217_728.0; // 2^27
+
+/// The low bits of a sum with it are a whole number.
+const ONES: f64 = 4_503_599_627_370_496.0; // 2^52
+
+/// Words of probabilities; of what is none, anything.
+#[inline(always)]
+pub(super) fn words(probability: &Lanes<f32>) -> Lanes<Word> {
+    each(|l| (((f64::from(probability[l]) * UNITS + ONES).to_bits() ^ ONES.to_bits()) << COUNT_BITS) | 1)
+}
+
+/// The word of one, which rounding may have put below 0.
+pub(super) fn word(probability: f64) -> Word {
+    words(&[probability.max(0.0) as f32; LANES])[0]
+}
+
+/// A whole number below 2^52.
+#[inline(always)]
+fn whole(number: u64) -> f64 {
+    f64::from_bits(number | ONES.to_bits()) - ONES
+}
+
+/// The sums of the cells of a patch: 24 bytes for each. A word is a sum of probabilities, in units of 2^-27, and in its last
+/// 20 bits of how many. That is exact up to [`super::visibility::FastVisibility::MOST_RAYS`], in whatever order rays come.
+#[derive(Clone)]
+pub(super) struct Sheet {
+    /// `P(E)` over the pairs of cells that rays ran along, once for each. Two marks, for edges to the left and below.
+    occupied: [u64; PATCH],
+    /// The probability that the cell and its right, or upper, neighbour differ, over the rays along that edge.
+    differ: [[u64; PATCH]; 2],
+}
+
+/// A row of words.
+#[inline(always)]
+fn row_of(cells: &[u64; PATCH], row: usize) -> Lanes<u64> {
+    each(|c| cells[row * SIDE + c])
+}
+
+/// Sums of words, each a probability times their number.
+#[inline(always)]
+fn sums(words: &Lanes<u64>) -> Lanes<f64> {
+    each(|c| whole(words[c] >> COUNT_BITS) * (1.0 / UNITS))
+}
+
+impl Sheet {
+    const EMPTY: Self = Self { occupied: [0; PATCH], differ: [[0; PATCH]; 2] };
+
+    /// In how many pairs of rays the cells of a row are; 0 of cells that were not touched.
     #[inline(always)]
-    pub(super) fn rays(&self, axis: usize) -> u32 {
-        ((self.counts >> (20 * axis)) & COUNT) as u32
+    pub(super) fn pairs(&self, row: usize) -> Lanes<f64> {
+        let words = row_of(&self.occupied, row);
+        each(|c| whole(words[c] & PAIRS))
     }
 
-    /// In how many pairs of rays the cell is; 0 of a cell that was not touched.
+    /// Sum of `P(E)` over these pairs.
     #[inline(always)]
-    pub(super) fn pairs(&self) -> u32 {
-        ((self.counts >> 40) & COUNT) as u32
+    pub(super) fn occupied(&self, row: usize) -> Lanes<f64> {
+        sums(&row_of(&self.occupied, row))
     }
 
-    /// The edges that a ray ran along: to the [`RIGHT`], [`ABOVE`], to the [`LEFT`], [`BELOW`].
+    /// How many rays ran along the edges of a row of cells to the right (0) or upper (1) neighbour.
     #[inline(always)]
-    pub(super) fn edges(&self) -> u32 {
-        (self.counts >> 60) as u32
+    pub(super) fn rays(&self, axis: usize, row: usize) -> Lanes<f64> {
+        let words = row_of(&self.differ[axis], row);
+        each(|c| whole(words[c] & RAYS))
     }
 
-    /// A ray ran along an edge.
+    /// Sum of the probability that its ends differ over these rays.
     #[inline(always)]
-    pub(super) fn mark(&mut self, edge: u32) {
-        self.counts |= u64::from(edge) << 60;
+    pub(super) fn differ(&self, axis: usize, row: usize) -> Lanes<f64> {
+        sums(&row_of(&self.differ[axis], row))
     }
 
-    /// A ray ran along the edge to the right (0) or upper (1) neighbour: they differ with the given probability.
+    /// The edges of a row of cells that a ray ran along: to the [`RIGHT`], [`ABOVE`], to the [`LEFT`], [`BELOW`].
     #[inline(always)]
-    pub(super) fn add_differ(&mut self, axis: usize, differ: f64) {
-        self.differ[axis] += differ;
-        self.counts += 1 << (20 * axis);
-        self.mark(RIGHT << axis);
+    pub(super) fn edges(&self, row: usize) -> Lanes<u32> {
+        let cells = row_of(&self.occupied, row);
+        let [right, above] = [0, 1].map(|axis| row_of(&self.differ[axis], row));
+        each(|c| {
+            let ahead = [u32::from(right[c] & RAYS > 0) * RIGHT, u32::from(above[c] & RAYS > 0) * ABOVE];
+            ahead[0] | ahead[1] | (((cells[c] & MARKS) / LEFT_MARK) as u32 * LEFT)
+        })
+    }
+
+    /// Whether a ray was added to a cell of a row or to an edge of one.
+    #[inline(always)]
+    pub(super) fn is_busy(&self, row: usize) -> bool {
+        let [cells, right, above] = [&self.occupied, &self.differ[0], &self.differ[1]].map(|cells| row_of(cells, row));
+        each(|c| cells[c] | right[c] | above[c]).into_iter().fold(0, |any, word| any | word) > 0
+    }
+
+    /// Whether a ray was added through the cell in a place.
+    pub(super) fn is_touched(&self, place: usize) -> bool {
+        self.occupied[place] & PAIRS > 0
     }
 
     fn add(&mut self, other: &Self) {
-        let edges = COUNT << 60;
-        self.occupied += other.occupied;
-        self.differ[0] += other.differ[0];
-        self.differ[1] += other.differ[1];
-        self.counts = ((self.counts & !edges) + (other.counts & !edges)) | ((self.counts | other.counts) & edges);
+        for (word, other) in self.occupied.iter_mut().zip(&other.occupied) {
+            *word = ((*word & !MARKS) + (other & !MARKS)) | ((*word | other) & MARKS);
+        }
+        for (words, others) in self.differ.iter_mut().zip(&other.differ) {
+            words.iter_mut().zip(others).for_each(|(word, other)| *word += other);
+        }
     }
+}
+
+/// The sums of one cell, and of its edges to the right and upper neighbour.
+pub(super) struct Totals {
+    /// Sum of `P(E)`, and over how many pairs.
+    pub(super) occupied: (f64, f64),
+    /// Sums of the probability that its ends differ, and over how many rays.
+    pub(super) differ: [(f64, f64); 2],
+    /// The edges that a ray ran along.
+    pub(super) edges: u32,
 }
 
 /// A cell's patch, and its place in it.
@@ -76,47 +155,39 @@ fn split(cell: u32) -> (usize, usize) {
     (cell as usize / PATCH, cell as usize % PATCH)
 }
 
-/// The entries of the patches that were touched, a sheet of them for each. Sums are exact, so that they do not depend on
-/// the order of the rays, up to [`super::visibility::FastVisibility::MOST_RAYS`].
+/// The sums of the patches that were touched, on a sheet for each.
 pub(super) struct Sums {
     /// Number of every patch's sheet, 0 where it has none.
     numbers: Vec<u32>,
-    /// The entries of one sheet after the other; sheet 0 is that of no patch. Those of sheets not in use are empty.
-    entries: Vec<Entry>,
+    /// Sheet 0 is that of no patch. Those not in use are empty.
+    sheets: Vec<Sheet>,
     /// The patch of each sheet in use.
     patches: Vec<u32>,
 }
 
-/// Adding and taking away this rounds to a multiple of 2^-36.
-const ROUND: f64 = 98_304.0; // 1.5 * 2^16
-
-/// A probability as it is summed: a multiple of 2^-36.
-#[inline(always)]
-pub(super) fn rounded(probability: &Lanes<f32>) -> Lanes<f64> {
-    std::array::from_fn(|l| (f64::from(probability[l]) + ROUND) - ROUND)
-}
-
-/// The same of one.
-pub(super) fn rounded_one(probability: f64) -> f64 {
-    rounded(&[probability as f32; LANES])[0]
+/// A cell's sheet, and its place on it.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Entry {
+    sheet: u32,
+    place: u32,
 }
 
 impl Sums {
     /// No ray.
     pub(super) fn new(numbering: Numbering) -> Self {
         let patches = numbering.tiles() * (TILE / PATCH);
-        Self { numbers: vec![0; patches], entries: vec![Entry::default(); PATCH], patches: vec![0] }
+        Self { numbers: vec![0; patches], sheets: vec![Sheet::EMPTY], patches: vec![0] }
     }
 
-    /// Number of a cell's entry, in a new sheet if need be.
+    /// Where a cell is summed, on a new sheet if need be.
     #[inline(always)]
-    pub(super) fn entry(&mut self, cell: u32) -> usize {
+    pub(super) fn entry(&mut self, cell: u32) -> Entry {
         let (patch, place) = split(cell);
         let sheet = match self.numbers[patch] {
             0 => self.open(patch),
             sheet => sheet,
         };
-        sheet as usize * PATCH + place
+        Entry { sheet, place: place as u32 }
     }
 
     #[cold]
@@ -125,43 +196,57 @@ impl Sums {
         let sheet = self.patches.len();
         self.patches.push(patch as u32);
         self.numbers[patch] = sheet as u32;
-        if self.entries.len() == sheet * PATCH {
+        if self.sheets.len() == sheet {
             // Not twice as many: it is as large as the largest scan for good.
-            self.entries.reserve_exact((sheet / 16 + 1) * PATCH);
-            self.entries.resize(self.entries.capacity() / PATCH * PATCH, Entry::default());
+            self.sheets.reserve_exact(sheet / 16 + 1);
+            self.sheets.resize(self.sheets.capacity(), Sheet::EMPTY);
         }
         sheet as u32
     }
 
-    /// A pair of neighbours that a ray runs along, `low` the entry of the left or lower one: they differ with the given
-    /// probability.
+    /// A pair of neighbours that a ray runs along: they differ with the given probability.
     #[inline(always)]
-    pub(super) fn add_edge(&mut self, low: usize, high: usize, axis: usize, differ: f64) {
-        self.entries[low].add_differ(axis, differ);
-        self.entries[high].mark(LEFT << axis);
+    pub(super) fn add_edge(&mut self, low: Entry, high: Entry, axis: usize, differ: Word) {
+        self.add_differ(low, axis, differ);
+        self.mark(high, axis);
+    }
+
+    /// A ray runs along the edge to the right (0) or upper (1) neighbour: they differ with the given probability.
+    #[inline(always)]
+    pub(super) fn add_differ(&mut self, low: Entry, axis: usize, differ: Word) {
+        let words = &mut self.sheets[low.sheet as usize].differ[axis];
+        words[low.place as usize % PATCH] += differ;
+    }
+
+    /// A ray runs along the edge to the left (0) or lower (1) neighbour.
+    #[inline(always)]
+    pub(super) fn mark(&mut self, high: Entry, axis: usize) {
+        self.sheets[high.sheet as usize].occupied[high.place as usize % PATCH] |= LEFT_MARK << axis;
     }
 
     /// A cell that is in so many pairs of a ray.
     #[inline(always)]
-    pub(super) fn add_cell(&mut self, entry: usize, pairs: u32, occupied: f64) {
-        let entry = &mut self.entries[entry];
-        entry.occupied += occupied * f64::from(pairs);
-        entry.counts += u64::from(pairs) << 40;
-    }
-
-    pub(super) fn at(&mut self, entry: usize) -> &mut Entry {
-        &mut self.entries[entry]
-    }
-
-    /// The entry of a cell.
-    pub(super) fn get(&self, cell: u32) -> &Entry {
-        let (patch, place) = split(cell);
-        &self.entries[self.numbers[patch] as usize * PATCH + place]
+    pub(super) fn add_cell(&mut self, at: Entry, pairs: u32, occupied: Word) {
+        let words = &mut self.sheets[at.sheet as usize].occupied;
+        words[at.place as usize % PATCH] += occupied * u64::from(pairs);
     }
 
     /// Whether a ray was added through a cell.
     pub(super) fn is_touched(&self, cell: u32) -> bool {
-        self.get(cell).pairs() > 0
+        let (patch, place) = split(cell);
+        self.sheets[self.numbers[patch] as usize].is_touched(place)
+    }
+
+    /// The sums of a cell.
+    pub(super) fn totals(&self, cell: u32) -> Totals {
+        let (patch, place) = split(cell);
+        let sheet = &self.sheets[self.numbers[patch] as usize];
+        let (row, column) = (place / SIDE, place % SIDE);
+        Totals {
+            occupied: (sheet.occupied(row)[column], sheet.pairs(row)[column]),
+            differ: [0, 1].map(|axis| (sheet.differ(axis, row)[column], sheet.rays(axis, row)[column])),
+            edges: sheet.edges(row)[column],
+        }
     }
 
     /// Numbers of the sheets in use.
@@ -179,27 +264,23 @@ impl Sums {
         Some(self.numbers[patch] as usize).filter(|sheet| *sheet > 0)
     }
 
-    /// The entries of a sheet.
-    pub(super) fn sheet(&self, sheet: usize) -> &[Entry; PATCH] {
-        let from = sheet * PATCH;
-        self.entries[from..from + PATCH].try_into().expect("a sheet has as many entries as a patch has cells")
+    /// The sums on a sheet.
+    pub(super) fn sheet(&self, sheet: usize) -> &Sheet {
+        &self.sheets[sheet]
     }
 
     /// Takes over what other sums hold, and empties it.
     pub(super) fn absorb(&mut self, other: &mut Self) {
         for sheet in other.sheets() {
-            let number = self.entry((other.patch(sheet) * PATCH) as u32);
-            let pairs = self.entries[number..number + PATCH].iter_mut().zip(other.sheet(sheet));
-            for (entry, from) in pairs {
-                entry.add(from);
-            }
+            let to = self.entry((other.patch(sheet) * PATCH) as u32).sheet;
+            self.sheets[to as usize].add(other.sheet(sheet));
         }
         other.clear();
     }
 
     /// Forgets everything, at the cost of what was touched.
     pub(super) fn clear(&mut self) {
-        self.entries[..self.patches.len() * PATCH].fill(Entry::default());
+        self.sheets[..self.patches.len()].fill(Sheet::EMPTY);
         for patch in self.patches.drain(1..) {
             self.numbers[patch as usize] = 0;
         }
@@ -208,7 +289,7 @@ impl Sums {
 
 impl Held for Sums {
     fn held(&self) -> usize {
-        self.numbers.held() + self.patches.held() + self.entries.held()
+        self.numbers.held() + self.patches.held() + self.sheets.held()
     }
 }
 
@@ -223,18 +304,41 @@ mod tests {
     fn sums_of_the_most_rays_are_exact() {
         let numbering = Numbering::new(GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: 2, height: 1 });
         let mut sums = Sums::new(numbering);
-        let [p, smallest] = [0.999_999f32, f32::MIN_POSITIVE].map(|p| rounded_one(f64::from(p)));
+        let most = word(0.999_998_9);
         let (low, high) = (sums.entry(0), sums.entry(1));
         for _ in 0..FastVisibility::MOST_RAYS - 1 {
-            sums.add_cell(low, 2, p);
-            sums.add_edge(low, high, 0, p);
+            sums.add_cell(low, 2, most);
+            sums.add_edge(low, high, 0, most);
         }
-        sums.add_cell(low, 2, 1.0 / (1u64 << 36) as f64);
-        sums.add_edge(low, high, 0, smallest);
-        let entry = sums.get(0);
-        let expected = (p * (1u64 << 36) as f64) as u64 * 2 * (FastVisibility::MOST_RAYS as u64 - 1) + 2;
-        assert_eq!((entry.occupied * (1u64 << 36) as f64) as u64, expected);
-        assert_eq!((entry.rays(0), entry.rays(1)), (FastVisibility::MOST_RAYS as u32, 0));
-        assert_eq!((entry.pairs(), entry.edges()), (2 * FastVisibility::MOST_RAYS as u32, RIGHT));
+        sums.add_cell(low, 2, word(1.0 / UNITS));
+        sums.add_edge(low, high, 0, word(0.0));
+        let (rays, unit) = (FastVisibility::MOST_RAYS as f64, 1.0 / UNITS);
+        let (sheet, all) = (sums.sheet(1), unit * whole(most >> COUNT_BITS) * (rays - 1.0));
+        let found =
+            [sheet.occupied(0)[0], sheet.differ(0, 0)[0], sheet.pairs(0)[0], sheet.rays(0, 0)[0], sheet.rays(1, 0)[0]];
+        let expected = [2.0 * all + 2.0 * unit, all, 2.0 * rays, rays, 0.0];
+        assert_eq!(found.map(f64::to_bits), expected.map(f64::to_bits));
+        assert_eq!(sheet.edges(0), [RIGHT, LEFT, 0, 0, 0, 0, 0, 0]);
+    }
+
+    #[test]
+    fn what_two_threads_sum_is_added_up() {
+        let numbering = Numbering::new(GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: 20, height: 20 });
+        let [mut all, mut one, mut other] = [(); 3].map(|()| Sums::new(numbering));
+        for (k, cell) in [3u32, 200, 3, 64, 3].into_iter().enumerate() {
+            let differ = word(0.1 + 0.1 * k as f64);
+            for sums in [&mut all, if k % 2 == 0 { &mut one } else { &mut other }] {
+                let (low, high) = (sums.entry(cell), sums.entry(cell + 1));
+                sums.add_cell(high, 2, differ);
+                sums.add_edge(low, high, k % 2, differ);
+            }
+        }
+        one.absorb(&mut other);
+        assert_eq!((one.sheets().len(), other.sheets().len()), (all.sheets().len(), 0));
+        for sheet in all.sheets() {
+            let [a, b] = [(&all, sheet), (&one, one.sheet_of(all.patch(sheet)).expect("there"))]
+                .map(|(sums, sheet)| sums.sheet(sheet));
+            assert_eq!((a.occupied, a.differ), (b.occupied, b.differ));
+        }
     }
 }

@@ -51,17 +51,20 @@ impl Numbering {
     /// Numbers of cells.
     #[inline(always)]
     pub(crate) fn lanes(&self, column: &Lanes<u32>, row: &Lanes<u32>) -> Lanes<u32> {
-        let across = self.tiles[0] as u32;
-        each(|l| {
-            let tile = (row[l] >> 4) * across + (column[l] >> 4);
-            let patch = ((row[l] & 8) << 4) | ((column[l] & 8) << 3);
-            (tile << 8) | patch | ((row[l] & 7) << 3) | (column[l] & 7)
-        })
+        each(|l| self.at([column[l], row[l]]))
+    }
+
+    /// Number of the cell in a column and row.
+    #[inline(always)]
+    pub(crate) fn at(&self, [column, row]: [u32; 2]) -> u32 {
+        let tile = (row >> 4) * self.tiles[0] as u32 + (column >> 4);
+        let patch = ((row & 8) << 4) | ((column & 8) << 3);
+        (tile << 8) | patch | ((row & 7) << 3) | (column & 7)
     }
 
     /// Number of a cell.
     pub(crate) fn number(&self, column: usize, row: usize) -> u32 {
-        self.lanes(&[column as u32; LANES], &[row as u32; LANES])[0]
+        self.at([column as u32, row as u32])
     }
 
     /// Number of a cell from its index in the grid.

@@ -3,7 +3,7 @@
 use crate::belief::prior::Continuity;
 use crate::fast::bounds::{bounded, possible};
 use crate::fast::map::Map;
-use crate::fast::sums::{LEFT, RIGHT, Sums};
+use crate::fast::sums::{LEFT, Sums};
 use crate::fast::tiles::{PATCH, split};
 use crate::pairs::joint::{both_occupied, correlation};
 
@@ -32,25 +32,25 @@ pub(super) fn touched(map: &mut Map, continuity: Continuity, sums: &Sums) {
     let mut off_rays = Vec::new();
     for &cell in cells.iter().filter(|_| continuity == Continuity::Kept) {
         let at = numbering.column_row(cell);
-        let entry = sums.get(cell);
+        let totals = sums.totals(cell);
         for axis in 0..2 {
-            if at[axis] + 1 < [spec.width, spec.height][axis] && entry.rays(axis) == 0 {
+            if at[axis] + 1 < [spec.width, spec.height][axis] && totals.differ[axis].1 <= 0.0 {
                 off_rays.push(keep(map, cell, axis, false));
             }
             if let Some(low) = numbering.before(cell, axis).filter(|low| !sums.is_touched(*low)) {
-                off_rays.push(keep(map, low, axis, entry.edges() & (LEFT << axis) != 0));
+                off_rays.push(keep(map, low, axis, totals.edges & (LEFT << axis) != 0));
             }
         }
     }
     for &cell in &cells {
-        let (entry, (tile, place)) = (sums.get(cell), split(cell));
-        let mean = entry.occupied / f64::from(entry.pairs());
-        map.make(tile).occupied[place] = bounded(mean as f32);
+        let (tile, place) = split(cell);
+        let (sum, pairs) = sums.totals(cell).occupied;
+        map.make(tile).occupied[place] = bounded((sum / pairs) as f32);
     }
     for &cell in cells.iter().filter(|_| continuity == Continuity::Kept) {
-        let entry = sums.get(cell);
-        for axis in (0..2).filter(|axis| entry.edges() & (RIGHT << axis) != 0 && entry.rays(*axis) > 0) {
-            set(map, cell, axis, &Kept::Differ(entry.differ[axis] / f64::from(entry.rays(axis))));
+        for (axis, (sum, rays)) in sums.totals(cell).differ.into_iter().enumerate().filter(|(_, (_, rays))| *rays > 0.0)
+        {
+            set(map, cell, axis, &Kept::Differ(sum / rays));
         }
     }
     for OffRays { low, axis, kept } in off_rays {

@@ -1,22 +1,29 @@
 //! The cells of several rays and the transitions between them, read out of the map: one ray to a lane.
 
-use sensor::in_lanes;
 use sensor::lanes::{LANES, Lanes, each};
+use sensor::{Ray, in_lanes};
 
 use crate::belief::prior::Continuity;
 use crate::fast::inputs::Inputs;
 use crate::fast::lines::Lines;
 use crate::fast::tiles::Numbering;
+use crate::fast::walk::Place;
 use crate::memory::Held;
 
 /// Cells that are traced before the sensor model is asked about them.
-pub(super) const BLOCK: usize = 64;
+pub(super) const BLOCK: usize = 16;
+
+/// A cell that is occupied with a larger probability leaves to the ray behind it what a single does not hold to its last digit.
+const SURELY: f32 = 0.9;
+
+/// In the place of an edge: the cell is where a leap has landed.
+pub(super) const LANDING: u32 = u32::MAX;
 
 /// Cell `k` of every ray. A ray that has ended stays in its last cell.
 #[derive(Default, Clone, Copy)]
 pub(super) struct Step {
     pub(super) cell: Lanes<u32>,
-    /// The edge from the cell before.
+    /// The edge from the cell before, or [`LANDING`].
     pub(super) edge: Lanes<u32>,
     /// Range at which it is entered, m.
     pub(super) entered: Lanes<f64>,
@@ -38,7 +45,7 @@ pub(super) struct Transition {
     /// `u = P(E_{j+1} | not E_j)`.
     pub(super) becomes: Lanes<f32>,
     /// `1 - u`, to its own last digit where other rays can make much of little.
-    pub(super) passes: Lanes<f32>,
+    pub(super) passes: Lanes<f64>,
 }
 
 /// Rays on their way through the map. A buffer to fill again and again.
@@ -76,10 +83,32 @@ impl Trace {
     /// Begins with other rays. The first cell follows one that is certainly free, and begins with its prior.
     pub(super) fn start(&mut self, inputs: &Inputs, lines: Lines) {
         self.occupied = lines.cell().map(|cell| inputs.map.occupied(cell));
-        let passes = each(|l| 1.0 - self.occupied[l]);
+        let passes = each(|l| 1.0 - f64::from(self.occupied[l]));
         self.transitions[0] = Transition { becomes: self.occupied, passes, ..Transition::default() };
         self.ranges.truncate(1);
         (self.lines, self.length, self.taken, self.edge) = (lines, [0; LANES], 0, [0; LANES]);
+    }
+
+    /// A ray is taken from where it is to another cell, as from one that is certainly free.
+    pub(super) fn leap(&mut self, l: usize, inputs: &Inputs, ray: &Ray, landing: Place) {
+        self.lines.go_on_from(l, ray.origin_m, ray.direction, landing, f64::INFINITY);
+        let occupied = inputs.map.occupied(inputs.map.numbering.at(landing.at));
+        (self.occupied[l], self.edge[l]) = (occupied, LANDING);
+        let into = &mut self.transitions[self.ranges.len() - 1];
+        (into.stays[l], into.becomes[l], into.passes[l]) = (0.0, occupied, 1.0 - f64::from(occupied));
+    }
+
+    /// A ray is followed no farther.
+    pub(super) fn end(&mut self, l: usize) {
+        self.lines.alive[l] = 0.0;
+        let into = &mut self.transitions[self.ranges.len() - 1];
+        (into.stays[l], into.becomes[l], into.passes[l]) = (0.0, 0.0, 1.0);
+    }
+
+    /// The cell that a ray was in before the one that it is in, and the edge between them; none of the first.
+    pub(super) fn before(&self, l: usize) -> Option<[u32; 2]> {
+        let last = self.steps[..self.taken].last()?;
+        Some([last.cell[l], self.edge[l]])
     }
 
     /// Goes on by at most [`BLOCK`] cells.
@@ -113,26 +142,29 @@ impl Trace {
             self.ranges.push(crossing.exit);
             (cell, edge) = (lines.cell(), crossing.edge);
             let next = each(|l| inputs.map.occupied(cell[l]));
+            let edge_of = |l: usize| inputs.map.both(edge[l] / 2, (edge[l] % 2) as usize);
             let both = match inputs.continuity {
-                Continuity::Kept => each(|l| inputs.map.both(edge[l] / 2, (edge[l] % 2) as usize)),
-                Continuity::Ignored => each(|l| before[l] * next[l]),
+                Continuity::Kept => each(|l| f64::from(edge_of(l))),
+                Continuity::Ignored => each(|l| f64::from(before[l]) * f64::from(next[l])),
             };
             let alive = each(|l| lines.alive[l] as f32);
-            let t = each(|l| both[l] / before[l]);
+            let single = each(|l| both[l] as f32);
+            let t = each(|l| single[l] / before[l]);
             let t = each(|l| if t[l] < 1.0 { t[l] } else { 1.0 });
-            let u = each(|l| (next[l] - both[l]) / (1.0 - before[l]));
+            let u = each(|l| (next[l] - single[l]) / (1.0 - before[l]));
             let u = each(|l| if u[l] > 0.0 { u[l] } else { 0.0 });
             let u = each(|l| if u[l] < 1.0 { u[l] } else { 1.0 });
             following.stays = each(|l| alive[l] * t[l]);
             following.becomes = each(|l| alive[l] * u[l]);
-            following.passes = if inputs.others.is_some() {
-                // P(not E, not E_n) can be the last digit of a single.
+            // P(not E, not E_n) can be the last digit of a single: in walls, and where other rays can make much of little.
+            let surely = u.iter().copied().fold(0.0, f32::max) > SURELY;
+            following.passes = if surely || inputs.others.is_some() {
                 let clear = each(|l| 1.0 - f64::from(before[l]));
-                let free = each(|l| (clear[l] - (f64::from(next[l]) - f64::from(both[l]))) / clear[l]);
-                let free = each(|l| if free[l] > 0.0 { free[l] as f32 } else { 0.0 });
+                let free = each(|l| (clear[l] - (f64::from(next[l]) - both[l])) / clear[l]);
+                let free = each(|l| if free[l] > 0.0 { free[l] } else { 0.0 });
                 each(|l| if alive[l] > 0.0 { free[l] } else { 1.0 })
             } else {
-                each(|l| 1.0 - following.becomes[l])
+                each(|l| 1.0 - f64::from(following.becomes[l]))
             };
             before = next;
             self.taken += 1;

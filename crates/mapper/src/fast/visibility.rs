@@ -36,6 +36,7 @@ pub struct FastVisibility {
     /// The map as others see it, made when it is asked for.
     occupancy: OnceCell<Raster<f64>>,
     cells: u64,
+    skipped: u64,
     workspace: Workspace,
 }
 
@@ -75,6 +76,7 @@ impl FastVisibility {
             lateral: None,
             occupancy: OnceCell::new(),
             cells: 0,
+            skipped: 0,
         }
     }
 
@@ -116,7 +118,8 @@ impl FastVisibility {
                 hops: edges.map_or(0, |lateral| lateral.hops(spec.cell_m)),
             };
             let hops = inputs.hops;
-            self.cells += self.workspace.update_rays(&inputs, &selection); // Eqs. (1)-(7), (21)
+            let [cells, skipped] = self.workspace.update_rays(&inputs, &selection); // Eqs. (1)-(7), (21)
+            (self.cells, self.skipped) = (self.cells + cells, self.skipped + skipped);
             self.workspace.add_passing(&inputs, &selection); // Eq. (20): rays past what they move
             match edges {
                 Some(lateral) => self.workspace.reconcile_laterally(&mut self.map, lateral, hops),
@@ -152,7 +155,14 @@ impl Mapper for FastVisibility {
     }
 
     fn work(&self) -> Work {
-        Work { cells: self.cells, bytes: self.map.held() + self.occupancy.held() + self.workspace.held() }
+        Work {
+            cells: self.cells + self.skipped,
+            bytes: self.map.held() + self.occupancy.held() + self.workspace.held(),
+        }
+    }
+
+    fn skipped(&self) -> u64 {
+        self.skipped
     }
 
     /// A ray is cut where the rest says nothing. Cells that are independent of each other stop it on an unseen map after some
