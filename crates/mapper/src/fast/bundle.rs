@@ -385,6 +385,7 @@ in_lanes! {
 #[inline(always)]
 fn add_normalised(steps: &[Step], reach: &Lanes<u32>, whole: &Lanes<u32>, normalise: &Lanes<f32>, sums: &mut Sums) {
     let mut previous = [Entry::default(); LANES];
+    let mut landed = [None; LANES];
     for (k, step) in steps.iter().enumerate() {
         let occupied = words(&each(|l| step.after[l] * normalise[l]));
         let differ = words(&each(|l| step.differ_after[l] * normalise[l]));
@@ -393,17 +394,20 @@ fn add_normalised(steps: &[Step], reach: &Lanes<u32>, whole: &Lanes<u32>, normal
                 continue;
             }
             let (cell, edge) = (step.cell[l], step.edge[l]);
-            let here = sums.entry(cell);
             if edge == LANDING {
                 // A settled cell: it is passed, and only the edge behind it is not.
-                previous[l] = here;
+                landed[l] = Some(cell);
                 continue;
             }
+            let here = sums.entry(cell);
             // A cell inside the ray is in two pairs, the first and the last are in one.
             let end = k == 0 || k as u32 + 1 == whole[l];
             sums.add_cell(here, if end { 1 } else { 2 }, occupied[l]);
             if k > 0 {
                 let up = edge / 2 != cell;
+                if let Some(landed) = landed[l].take() {
+                    previous[l] = if up { sums.entry(landed) } else { Entry::default() };
+                }
                 let (low, high) = if up { (previous[l], here) } else { (here, previous[l]) };
                 sums.add_edge(low, high, (edge % 2) as usize, differ[l]);
             }

@@ -2,14 +2,14 @@
 //! through it, Eq. (20).
 
 use grid::GridSpec;
-use sensor::Ray;
 use sensor::lanes::{LANES, Lanes, each};
+use sensor::{Ray, in_lanes};
 
 use crate::fast::bundle::{Passage, Reach};
 use crate::fast::inputs::Inputs;
 use crate::fast::lines::Lines;
 use crate::fast::sums::{Sums, word};
-use crate::fast::tiles::PATCH;
+use crate::fast::tiles::{PATCH, SIDE};
 use crate::fast::walk::Walk;
 
 /// The cells behind those that rays have moved, up to `until_m` (m) of each, in which others of the scan may have moved some.
@@ -30,44 +30,59 @@ pub(super) fn behind(reach: &[Reach], until_m: &[f64]) -> impl Iterator<Item = P
 /// learn across rays. Which those are is in `before`, or else in the sums themselves.
 pub(super) fn add(inputs: &Inputs, rays: &[Ray], passages: &[Passage], (before, sums): (Option<&Sums>, &mut Sums)) {
     let mut runs = Vec::new();
-    passages
-        .iter()
-        .for_each(|passage| find(inputs, &rays[passage.ray as usize], passage, before.unwrap_or(sums), &mut runs));
-    for runs in runs.chunks(LANES) {
-        let mut lines = Lines::new(inputs.map.numbering);
+    let read = before.unwrap_or(sums);
+    let extents = if inputs.hops == 0 { read.extents() } else { vec![[0xff; 2]; read.sheets().end] };
+    passages.iter().for_each(|passage| find(inputs, &rays[passage.ray as usize], passage, (read, &extents), &mut runs));
+    runs.chunks(LANES).for_each(|runs| add_runs(inputs, rays, runs, before, sums));
+}
+
+in_lanes! {
+    fn add_runs<'a>(inputs: &'a Inputs<'a>, rays: &'a [Ray], runs: &'a [Passage], before: Option<&'a Sums>, sums: &'a mut Sums) {
+        in_lockstep(inputs, rays, runs, (before, sums));
+    }
+}
+
+/// Adds up to [`LANES`] runs.
+#[inline(always)]
+fn in_lockstep(inputs: &Inputs, rays: &[Ray], runs: &[Passage], (before, sums): (Option<&Sums>, &mut Sums)) {
+    let mut lines = Lines::new(inputs.map.numbering);
+    let mut previous: Lanes<Option<[u32; 2]>> = [None; LANES];
+    for (lane, run) in runs.iter().enumerate() {
+        let ray = &rays[run.ray as usize];
+        lines.go_on_from(lane, ray.origin_m, ray.direction, run.from, f64::INFINITY);
+        previous[lane] = run.before;
+    }
+    let mut open: Lanes<bool> = each(|lane| lane < runs.len());
+    for k in 0.. {
+        let (cell, entered) = (lines.cell(), lines.entered);
+        let step = lines.step();
         for (lane, run) in runs.iter().enumerate() {
-            let ray = &rays[run.ray as usize];
-            lines.go_on_from(lane, ray.origin_m, ray.direction, run.from, f64::INFINITY);
+            let goes_on = lines.alive[lane] > 0.0;
+            open[lane] &= entered[lane] <= run.until_m;
+            if !open[lane] {
+                continue;
+            }
+            if k > 0 || run.with_first {
+                // The first cell of a ray and its last are in one pair each.
+                let pairs = if previous[lane].is_some() && goes_on { 2 } else { 1 };
+                pass(inputs, (before, sums), previous[lane], cell[lane], pairs);
+            }
+            previous[lane] = Some([cell[lane], step.edge[lane]]);
+            let ends = run.last == Some(cell[lane]);
+            if ends && goes_on {
+                land(inputs, (before, sums), cell[lane], step.edge[lane]);
+            }
+            open[lane] = goes_on && !ends;
         }
-        let mut open: Lanes<bool> = each(|lane| lane < runs.len());
-        let mut previous: Lanes<Option<[u32; 2]>> = [None; LANES];
-        runs.iter().zip(&mut previous).for_each(|(run, previous)| *previous = run.before);
-        for k in 0.. {
-            let (cell, entered) = (lines.cell(), lines.entered);
-            let step = lines.step();
-            for (lane, run) in runs.iter().enumerate() {
-                let goes_on = lines.alive[lane] > 0.0;
-                open[lane] &= entered[lane] <= run.until_m;
-                if !open[lane] {
-                    continue;
-                }
-                if k > 0 || run.with_first {
-                    // The first cell of a ray and its last are in one pair each.
-                    let pairs = if previous[lane].is_some() && goes_on { 2 } else { 1 };
-                    pass(inputs, (before, sums), previous[lane], cell[lane], pairs);
-                }
-                previous[lane] = Some([cell[lane], step.edge[lane]]);
-                open[lane] = goes_on && run.last != Some(cell[lane]);
-            }
-            if open == [false; LANES] {
-                break;
-            }
+        if open == [false; LANES] {
+            break;
         }
     }
 }
 
-/// The parts of a passage in patches with a sheet, each from the cell before them to the cell behind them.
-fn find(inputs: &Inputs, ray: &Ray, passage: &Passage, sums: &Sums, runs: &mut Vec<Passage>) {
+/// The parts of a passage in patches where it meets rows and columns that rays were added through, each from the cell before them
+/// to the cell behind them.
+fn find(inputs: &Inputs, ray: &Ray, passage: &Passage, (sums, extents): (&Sums, &[[u8; 2]]), runs: &mut Vec<Passage>) {
     let numbering = &inputs.map.numbering;
     let mut walk = Walk::new(numbering, ray.origin_m, ray.direction, passage.from);
     // The run that is open, and what one begins with that is opened now.
@@ -76,12 +91,17 @@ fn find(inputs: &Inputs, ray: &Ray, passage: &Passage, sums: &Sums, runs: &mut V
     loop {
         let place = walk.place;
         let number = numbering.at(place.at);
-        if sums.sheet_of(number as usize / PATCH).is_some() {
+        let crossing = walk.crossing();
+        let crosses = |k: usize| {
+            let [a, b] = [place.at[k], crossing.last.at[k]].map(|at| at % SIDE as u32);
+            (0xffu8 << a.min(b)) & (0xff >> (SIDE as u32 - 1 - a.max(b)))
+        };
+        let meets = |sheet: usize| extents[sheet][0] & crosses(1) > 0 && extents[sheet][1] & crosses(0) > 0;
+        if sums.sheet_of(number as usize / PATCH).is_some_and(meets) {
             run = run.or(Some(begin));
         } else if let Some(run) = run.take() {
             runs.push(Passage { last: Some(number), ..run });
         }
-        let crossing = walk.crossing();
         let ends = passage.last.is_some_and(|last| last as usize / PATCH == number as usize / PATCH);
         let Some(next) = crossing.next.filter(|next| !ends && next.entered <= passage.until_m) else {
             runs.extend(run.map(|run| Passage { last: passage.last, ..run }));
@@ -92,7 +112,26 @@ fn find(inputs: &Inputs, ray: &Ray, passage: &Passage, sums: &Sums, runs: &mut V
     }
 }
 
+/// The cell that a leap has landed in, and the edge from there, which its ray has added: another ray may have moved the cell.
+#[inline(always)]
+fn land(inputs: &Inputs, (before, sums): (Option<&Sums>, &mut Sums), cell: u32, edge: u32) {
+    if edge / 2 != cell && counts(inputs, before.unwrap_or(sums), cell) {
+        let entry = sums.entry(cell);
+        sums.mark(entry, (edge % 2) as usize);
+    }
+}
+
+/// Whether a cell that a ray passes counts.
+#[inline(always)]
+fn counts(inputs: &Inputs, sums: &Sums, cell: u32) -> bool {
+    match inputs.hops {
+        0 => sums.is_touched(cell),
+        _ => sums.sheet_of(cell as usize / PATCH).is_some(),
+    }
+}
+
 /// A cell that a ray passes unmoved, and the edge from the one before it.
+#[inline(always)]
 fn pass(
     inputs: &Inputs,
     (before, sums): (Option<&Sums>, &mut Sums),
@@ -100,10 +139,7 @@ fn pass(
     cell: u32,
     pairs: u32,
 ) {
-    let counts = |sums: &Sums, cell: u32| match inputs.hops {
-        0 => before.unwrap_or(sums).is_touched(cell),
-        _ => before.unwrap_or(sums).sheet_of(cell as usize / PATCH).is_some(),
-    };
+    let counts = |sums: &Sums, cell: u32| counts(inputs, before.unwrap_or(sums), cell);
     let here = counts(sums, cell);
     if here {
         let entry = sums.entry(cell);

@@ -124,6 +124,15 @@ impl Sheet {
         each(|c| cells[c] | right[c] | above[c]).into_iter().fold(0, |any, word| any | word) > 0
     }
 
+    /// The rows and columns, as bits, of cells that a ray was added through.
+    fn extent(&self) -> [u8; 2] {
+        let (rows, _) = self.occupied.as_chunks::<SIDE>();
+        rows.iter().enumerate().fold([0; 2], |[among, columns], (r, row)| {
+            let touched = (0..SIDE).fold(0, |touched, c| touched | u8::from(row[c] & PAIRS > 0) << c);
+            [among | u8::from(touched > 0) << r, columns | touched]
+        })
+    }
+
     /// Whether a ray was added through the cell in a place.
     pub(super) fn is_touched(&self, place: usize) -> bool {
         self.occupied[place] & PAIRS > 0
@@ -165,7 +174,7 @@ pub(super) struct Sums {
     patches: Vec<u32>,
 }
 
-/// A cell's sheet, and its place on it.
+/// A cell's sheet, and its place on it. The default is on the sheet of no patch: marks there are marks nowhere.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Entry {
     sheet: u32,
@@ -262,6 +271,11 @@ impl Sums {
     /// The sheet of a patch, if there is one.
     pub(super) fn sheet_of(&self, patch: usize) -> Option<usize> {
         Some(self.numbers[patch] as usize).filter(|sheet| *sheet > 0)
+    }
+
+    /// The rows and columns of every patch with a sheet, as bits, that rays were added through; by the number of the sheet.
+    pub(super) fn extents(&self) -> Vec<[u8; 2]> {
+        self.sheets[..self.patches.len()].iter().map(Sheet::extent).collect()
     }
 
     /// The sums on a sheet.

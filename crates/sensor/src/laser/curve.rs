@@ -58,10 +58,21 @@ impl Curve {
             self.step
         } else if far >= -self.reach {
             let density = normal::mean_density(near, far, self.reach);
-            self.bump * density + self.step * normal::mean_cumulative(near, far, self.reach)
+            self.bump * density + self.step * self.mean_cumulative(near, far)
         } else {
             0.0
         }
+    }
+}
+
+impl Curve {
+    /// By the table, where the floor hides what that leaves out.
+    fn mean_cumulative(&self, near: f64, far: f64) -> f64 {
+        let width = far - near;
+        if 1e-5 * self.step > self.floor || !(0.1..f64::INFINITY).contains(&width) {
+            return normal::mean_cumulative(near, far, self.reach);
+        }
+        ((normal::cumulative_integral(far) - normal::cumulative_integral(near)) / width).clamp(0.0, 1.0)
     }
 }
 
