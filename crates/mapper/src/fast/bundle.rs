@@ -385,7 +385,8 @@ in_lanes! {
 #[inline(always)]
 fn add_normalised(steps: &[Step], reach: &Lanes<u32>, whole: &Lanes<u32>, normalise: &Lanes<f32>, sums: &mut Sums) {
     let mut previous = [Entry::default(); LANES];
-    let mut landed = [None; LANES];
+    // Where leaps have landed a step before.
+    let mut landed = [LANDING; LANES];
     for (k, step) in steps.iter().enumerate() {
         let occupied = words(&each(|l| step.after[l] * normalise[l]));
         let differ = words(&each(|l| step.differ_after[l] * normalise[l]));
@@ -396,20 +397,22 @@ fn add_normalised(steps: &[Step], reach: &Lanes<u32>, whole: &Lanes<u32>, normal
             let (cell, edge) = (step.cell[l], step.edge[l]);
             if edge == LANDING {
                 // A settled cell: it is passed, and only the edge behind it is not.
-                landed[l] = Some(cell);
+                landed[l] = cell;
                 continue;
             }
             let here = sums.entry(cell);
             // A cell inside the ray is in two pairs, the first and the last are in one.
             let end = k == 0 || k as u32 + 1 == whole[l];
-            sums.add_cell(here, if end { 1 } else { 2 }, occupied[l]);
-            if k > 0 {
-                let up = edge / 2 != cell;
-                if let Some(landed) = landed[l].take() {
-                    previous[l] = if up { sums.entry(landed) } else { Entry::default() };
+            let pairs = if end { 1 } else { 2 };
+            if k == 0 {
+                sums.add_cell(here, pairs, occupied[l]);
+            } else {
+                let forward = edge / 2 != cell;
+                if landed[l] != LANDING {
+                    let low = if forward { sums.entry(landed[l]) } else { Entry::default() };
+                    (previous[l], landed[l]) = (low, LANDING);
                 }
-                let (low, high) = if up { (previous[l], here) } else { (here, previous[l]) };
-                sums.add_edge(low, high, (edge % 2) as usize, differ[l]);
+                sums.add_step([previous[l], here], forward, (edge % 2) as usize, (pairs, occupied[l], differ[l]));
             }
             previous[l] = here;
         }

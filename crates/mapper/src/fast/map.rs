@@ -1,11 +1,13 @@
 //! The map of the fast mapper, in single precision.
 
 use grid::{GridSpec, Raster};
-use sensor::lanes::each;
+use sensor::in_lanes;
+use sensor::lanes::{Lanes, each};
 
 use crate::belief::prior::Continuity;
 use crate::fast::bounds::bounded;
 use crate::fast::budget::SETTLED;
+use crate::fast::sums::Sums;
 use crate::fast::tiles::{Numbering, PATCH, SIDE, TILE, Tiles, split};
 use crate::model::Model;
 use crate::pairs::grid::PairwiseGrid;
@@ -21,6 +23,17 @@ pub(super) struct Tile {
     summaries: [Summary; TILE / PATCH],
 }
 
+in_lanes! {
+    /// Brings up to date what is known of patches whose cells have moved.
+    pub(super) fn summarise<'a>(map: &'a mut Map, sums: &'a Sums, continuity: Continuity) {
+        for sheet in sums.sheets() {
+            let (tile, from) = split((sums.patch(sheet) * PATCH) as u32);
+            let tile = map.make(tile);
+            tile.summaries[from / PATCH] = Summary::of(tile, from, continuity);
+        }
+    }
+}
+
 /// What a ray needs to know of a patch to leap over it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Summary {
@@ -31,30 +44,34 @@ pub(super) struct Summary {
 }
 
 impl Summary {
+    #[inline(always)]
     fn of(tile: &Tile, from: usize, continuity: Continuity) -> Self {
-        let cells = &tile.occupied[from..from + PATCH];
-        let (rows, _) = cells.as_chunks::<SIDE>();
-        let most = rows.iter().fold([0.0; SIDE], |most, row| each(|c| if row[c] > most[c] { row[c] } else { most[c] }));
+        let row = |cells: &[f32; TILE], r: usize| -> Lanes<f32> { each(|c| cells[from + r * SIDE + c]) };
+        let mut most = [0.0; SIDE];
+        for r in 0..SIDE {
+            let p = row(&tile.occupied, r);
+            most = each(|c| if p[c] > most[c] { p[c] } else { most[c] });
+        }
         let most = most.into_iter().fold(0.0, f32::max);
         // Of no other patch it is asked.
-        let onset = if most <= SETTLED { Self::onset(tile, from, continuity) } else { 1.0 };
-        Self { most, onset }
-    }
-
-    fn onset(tile: &Tile, from: usize, continuity: Continuity) -> f32 {
-        let inside = |axis: usize| (0..PATCH).filter(move |place| [place % SIDE, place / SIDE][axis] + 1 < SIDE);
-        let edges = [(0, 1), (1, SIDE)]
-            .into_iter()
-            .flat_map(|(axis, ahead)| inside(axis).map(move |place| (axis, place, ahead)));
-        let becomes = |(axis, place, ahead): (usize, usize, usize)| {
-            let [p, q] = [place, place + ahead].map(|place| tile.occupied[from + place]);
-            let both = match continuity {
-                Continuity::Kept => tile.both[axis][from + place],
-                Continuity::Ignored => p * q,
-            };
-            (q - both) / (1.0 - p)
-        };
-        edges.map(becomes).sum::<f32>() / (2 * SIDE * (SIDE - 1)) as f32
+        if most > SETTLED {
+            return Self { most, onset: 1.0 };
+        }
+        let mut sum = [0.0; SIDE];
+        for r in 0..SIDE {
+            let p = row(&tile.occupied, r);
+            let right = each(|c| p[(c + 1) % SIDE]);
+            let above = row(&tile.occupied, (r + 1) % SIDE);
+            for (axis, q) in [right, above].iter().enumerate() {
+                let both = match continuity {
+                    Continuity::Kept => row(&tile.both[axis], r),
+                    Continuity::Ignored => each(|c| p[c] * q[c]),
+                };
+                let inside = each(|c| if [c, r][axis] + 1 < SIDE { 1.0 } else { 0.0 });
+                sum = each(|c| sum[c] + inside[c] * ((q[c] - both[c]) / (1.0 - p[c])));
+            }
+        }
+        Self { most, onset: sum.into_iter().sum::<f32>() / (2 * SIDE * (SIDE - 1)) as f32 }
     }
 }
 
@@ -103,13 +120,6 @@ impl Map {
     pub(super) fn summary(&self, cell: u32) -> Summary {
         let (tile, place) = split(cell);
         self.at(tile).summaries[place / PATCH]
-    }
-
-    /// Brings up to date what is known of a patch whose cells have moved.
-    pub(super) fn summarise(&mut self, patch: usize, continuity: Continuity) {
-        let (tile, from) = split((patch * PATCH) as u32);
-        let tile = self.make(tile);
-        tile.summaries[from / PATCH] = Summary::of(tile, from, continuity);
     }
 
     /// `P(E_i)` of all cells of the grid.

@@ -16,7 +16,7 @@ use crate::belief::prior::Continuity;
 use crate::fast::bundle::{Bundle, Outcome, Passage, Reach};
 use crate::fast::inputs::Inputs;
 use crate::fast::lateral::Layers;
-use crate::fast::map::Map;
+use crate::fast::map::{Map, summarise};
 use crate::fast::reconcile::Moved;
 use crate::fast::sums::{Sums, word};
 use crate::fast::tiles::Numbering;
@@ -144,7 +144,7 @@ impl Workspace {
             Reconciliation::AllEdges => reconcile::all_edges(map, continuity, sums, &mut self.moved),
             Reconciliation::Touched => touched::touched(map, continuity, sums),
         }
-        sums.sheets().for_each(|sheet| map.summarise(sums.patch(sheet), continuity));
+        summarise(map, sums, continuity);
         sums.clear();
     }
 
@@ -152,7 +152,7 @@ impl Workspace {
     pub(super) fn reconcile_laterally(&mut self, map: &mut Map, lateral: &Lateral, hops: usize) {
         let sums = &mut self.workers[0].sums;
         lateral::reconcile(map, sums, lateral, hops, &mut self.layers);
-        sums.sheets().for_each(|sheet| map.summarise(sums.patch(sheet), Continuity::Kept));
+        summarise(map, sums, Continuity::Kept);
         sums.clear();
     }
 }

@@ -126,11 +126,13 @@ impl Sheet {
 
     /// The rows and columns, as bits, of cells that a ray was added through.
     fn extent(&self) -> [u8; 2] {
-        let (rows, _) = self.occupied.as_chunks::<SIDE>();
-        rows.iter().enumerate().fold([0; 2], |[among, columns], (r, row)| {
-            let touched = (0..SIDE).fold(0, |touched, c| touched | u8::from(row[c] & PAIRS > 0) << c);
-            [among | u8::from(touched > 0) << r, columns | touched]
-        })
+        let (mut rows, mut columns) = (0, [0; SIDE]);
+        for r in 0..SIDE {
+            let row = row_of(&self.occupied, r);
+            columns = each(|c| columns[c] | row[c]);
+            rows |= u8::from(row.into_iter().fold(0, |any, word| any | word) & PAIRS > 0) << r;
+        }
+        [rows, (0..SIDE).fold(0, |touched, c| touched | u8::from(columns[c] & PAIRS > 0) << c)]
     }
 
     /// Whether a ray was added through the cell in a place.
@@ -211,6 +213,28 @@ impl Sums {
             self.sheets.resize(self.sheets.capacity(), Sheet::EMPTY);
         }
         sheet as u32
+    }
+
+    /// A step of a ray from a cell to the next, which is in so many pairs: [`add_cell`](Self::add_cell) of the next and
+    /// [`add_edge`](Self::add_edge) at once. It goes `forward` from the low end of the edge.
+    #[inline(always)]
+    pub(super) fn add_step(
+        &mut self,
+        [from, to]: [Entry; 2],
+        forward: bool,
+        axis: usize,
+        (pairs, occupied, differ): (u32, Word, Word),
+    ) {
+        let mark = LEFT_MARK << axis;
+        let (sheet, place) = (&mut self.sheets[to.sheet as usize], to.place as usize % PATCH);
+        let sum = sheet.occupied[place] + occupied * u64::from(pairs);
+        sheet.occupied[place] = if forward { sum | mark } else { sum };
+        if forward {
+            self.add_differ(from, axis, differ);
+        } else {
+            sheet.differ[axis][place] += differ;
+            self.mark(from, axis);
+        }
     }
 
     /// A pair of neighbours that a ray runs along: they differ with the given probability.

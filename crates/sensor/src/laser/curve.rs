@@ -7,6 +7,15 @@ use crate::{in_lanes, normal};
 /// Density of surfaces, as a share of that of all else, that counts as nothing.
 const NEGLIGIBLE: f64 = 1e-11;
 
+/// What tables of the normal distribution leave out, as a share of the density ...
+const LEFT_OUT: f64 = 1e-12;
+
+/// ... may be this share of the level in front, ...
+const HIDDEN: f64 = 5e-7;
+
+/// ... of chords as wide as this, in standard deviations.
+const LEAST_WIDTH: f64 = 0.5;
+
 /// The likelihood of a reading as a function of the range of the surface.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Curve {
@@ -22,6 +31,8 @@ pub(super) struct Curve {
     bump: f64,
     /// Standard deviations from the centre beyond which the levels are reached.
     reach: f64,
+    /// Whether the level in front hides what tables leave out.
+    tables_do: bool,
     /// Range up to which a surface that appears behind the sensor can give the reading, m; 0 where none can.
     pub(super) mirror_m: f64,
     /// Ranges between which the likelihood leaves the one level and reaches the other, m.
@@ -43,7 +54,8 @@ impl Curve {
         let reach_m = reach * laser.range_sigma_m;
         let [mirror_m, from_m, until_m] =
             [reach_m - centre_m, centre_m - reach_m, centre_m + reach_m].map(|m| m.max(0.0));
-        Self { centre_m, sharpness, floor, step, bump, reach, mirror_m, from_m, until_m }
+        let tables_do = (bump + step) * LEFT_OUT <= HIDDEN * LEAST_WIDTH * floor;
+        Self { centre_m, sharpness, floor, step, bump, reach, tables_do, mirror_m, from_m, until_m }
     }
 
     /// Mean over the chord `enter ..= exit` (m).
@@ -57,22 +69,17 @@ impl Curve {
         if near > self.reach {
             self.step
         } else if far >= -self.reach {
+            let width = far - near;
+            if self.tables_do && (LEAST_WIDTH..f64::INFINITY).contains(&width) {
+                let density = normal::cumulative(far) - normal::cumulative(near);
+                let beyond = normal::cumulative_integral(far) - normal::cumulative_integral(near);
+                return (self.bump * density.max(0.0) + self.step * beyond.max(0.0)) / width;
+            }
             let density = normal::mean_density(near, far, self.reach);
-            self.bump * density + self.step * self.mean_cumulative(near, far)
+            self.bump * density + self.step * normal::mean_cumulative(near, far, self.reach)
         } else {
             0.0
         }
-    }
-}
-
-impl Curve {
-    /// By the table, where the floor hides what that leaves out.
-    fn mean_cumulative(&self, near: f64, far: f64) -> f64 {
-        let width = far - near;
-        if 1e-5 * self.step > self.floor || !(0.1..f64::INFINITY).contains(&width) {
-            return normal::mean_cumulative(near, far, self.reach);
-        }
-        ((normal::cumulative_integral(far) - normal::cumulative_integral(near)) / width).clamp(0.0, 1.0)
     }
 }
 
