@@ -242,6 +242,8 @@ fn usage_that_cannot_work_is_refused_before_any_work() {
     for (arguments, expected) in [
         (&["--mappers", "visibilty"][..], "the nearest is 'visibility'"),
         (&["--mappers", "mrf", "--growth"], "--growth: 'mrf' solves for all scans at once"),
+        (&["--mappers", "mrf", "--world", "settled"], "--world settled: 'mrf' solves for all scans at once"),
+        (&["--mapper", "own=true", "--world", "unknown"], "--world unknown: 'own' works in a process of its own"),
         (&["--growth", "--format", "csv"], "name a folder for both with --out"),
         (&["--repeats", "0"], "0 is not in 1..=1000"),
         (&["--grid", "-1"], "above 0"),
@@ -263,6 +265,52 @@ fn batch_mappers_are_measured_where_they_are_asked_for() {
     let arguments = ["--scans", "scans.csv", "--grid", "0.2", "--repeats", "1", "--format", "csv"];
     let (csv, _) = checked(0, &arguments, &speed(folder.path(), &arguments));
     assert!(!csv.contains("mrf") && !csv.contains("printed"), "{csv}");
+}
+
+/// A wall that is looked at from a drive along it, again and again: once the floor before it is settled, rays leap.
+#[test]
+fn what_is_known_before_decides_what_rays_leap_over() {
+    let ray = |number: usize, k: i32| {
+        let bearing = 0.01 * f64::from(k);
+        format!("{number},0.5,{:.3},0,{bearing},{:.4}\n", 0.1 * number as f64, 4.0 / bearing.cos())
+    };
+    let rays = (0..12).flat_map(|number| (-40..=40).map(move |k| ray(number, k)));
+    let folder = with(&(HEAD.to_owned() + &rays.collect::<String>()));
+    let row = |world: &str| {
+        let arguments = [
+            "--scans",
+            "scans.csv",
+            "--sensor",
+            "laser",
+            "--mappers",
+            "visibility",
+            "--world",
+            world,
+            "--repeats",
+            "1",
+        ];
+        let found = json(folder.path(), &[&arguments[..], &["--format", "json"]].concat())["rows"][0].clone();
+        assert_eq!(found["world"], world);
+        found
+    };
+    let [unknown, mixed, settled] =
+        ["unknown", "mixed", "settled"].map(|world| row(world)["cells_skipped"].as_u64().expect("counted"));
+    assert_eq!(unknown, 0);
+    assert!(mixed < settled, "{mixed} {settled}");
+    let arguments = [
+        "--scans",
+        "scans.csv",
+        "--sensor",
+        "laser",
+        "--mappers",
+        "visibility",
+        "--world",
+        "settled",
+        "--repeats",
+        "1",
+    ];
+    let (text, _) = checked(0, &arguments, &speed(folder.path(), &arguments));
+    assert!(text.contains("visibility leapt over") && text.lines().all(|line| line.chars().count() <= 80), "{text}");
 }
 
 #[test]

@@ -1,6 +1,6 @@
-//! One scan by `visibility` and by its reference, and a large one on one thread and on two.
+//! One scan by `visibility` and by its reference, a large one on one thread and on two, and rays through settled space.
 //!
-//! `cargo bench -p mapper --bench lockstep`. The throughput column is rays per second; the last group's two rows are
+//! `cargo bench -p mapper --bench fast`. The throughput column is rays per second; the last group's two rows are
 //! to be compared with each other.
 
 use std::f64::consts::TAU;
@@ -64,5 +64,33 @@ fn scans(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, scans);
+/// Rays of so many cells along a hall whose floor is settled, by a laser: what a cell more costs.
+fn settled(criterion: &mut Criterion) {
+    const RAYS: usize = 64;
+    let mut group = criterion.benchmark_group("64 rays in settled space");
+    for cells in [1_000, 3_000, 10_000] {
+        let length_m = 0.05 * f64::from(cells);
+        let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: cells as usize + 40, height: 200 };
+        let laser = Laser { max_range_m: 2.0 * length_m, ..Laser::default() };
+        let mut mapper = FastVisibility::visibility(&Model::new(grid, Arc::new(laser)));
+        let scan = |number: usize| {
+            let drawn = (0.618_034 * number as f64).fract();
+            let pose = Pose { x_m: 0.52, y_m: 4.0 + 2.0 * drawn, theta_rad: 0.0 };
+            let half = 3.0 / length_m;
+            let bearings_rad: Vec<f64> =
+                (0..RAYS).map(|k| half * (2.0 * (k as f64 + 0.5) / RAYS as f64 - 1.0)).collect();
+            let readings =
+                bearings_rad.iter().map(|bearing| Some((length_m - pose.x_m) / libm::cos(*bearing))).collect();
+            Scan { sensor: 0, time_s: 0.0, pose, bearings_rad, readings }
+        };
+        (0..300).for_each(|number| mapper.integrate(&scan(number)));
+        let last = scan(7);
+        group.throughput(Throughput::Elements(RAYS as u64));
+        group
+            .bench_function(BenchmarkId::new("cells", cells), |bencher| bencher.iter(|| mapper.integrate_on(&last, 1)));
+    }
+    group.finish();
+}
+
+criterion_group!(benches, scans, settled);
 criterion_main!(benches);

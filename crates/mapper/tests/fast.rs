@@ -188,3 +188,42 @@ fn leaps_over_settled_space_change_nothing() {
         }
     }
 }
+
+/// A box that appears in settled space: it is found after no more looks than the reference needs, which leaps over nothing.
+#[test]
+fn what_appears_in_settled_space_is_found_as_soon() {
+    let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: 110, height: 60 };
+    let laser = Laser::default();
+    let model = Model::new(grid, Arc::new(laser));
+    let scan = |number: usize, face_m: f64| {
+        let drawn = |factor: f64| (factor * number as f64).fract();
+        let (x_m, y_m) = (0.5 + 1.2 * drawn(0.618_034), 1.0 + drawn(0.754_878));
+        let pose = Pose { x_m, y_m, theta_rad: 0.4 * drawn(0.569_84) - 0.2 };
+        let bearings_rad: Vec<f64> = (0..121).map(|k| 0.005 * (f64::from(k) - 60.0)).collect();
+        let range = |bearing: &f64| {
+            let wall = to_the_walls(&grid, &pose, *bearing, 0.4);
+            let [along_x, along_y] = pose.direction(*bearing);
+            let to_face = (face_m - pose.x_m) / along_x;
+            if (pose.y_m + to_face * along_y - 1.5).abs() < 0.2 { wall.min(to_face) } else { wall }
+        };
+        let readings = bearings_rad.iter().map(|bearing| Some(range(bearing))).collect();
+        Scan { sensor: 0, time_s: 0.0, pose, bearings_rad, readings }
+    };
+    let (mut fast, mut reference) = (FastVisibility::visibility(&model), Visibility::exact(&model));
+    for number in 0..30 {
+        fast.integrate(&scan(number, f64::INFINITY));
+        reference.integrate(&scan(number, f64::INFINITY));
+    }
+    assert!(fast.skipped() > 10_000, "{} cells were leapt over", fast.skipped());
+    let face = grid.locate([3.02, 1.52]).expect("inside");
+    let looks = |mapper: &mut dyn mapper::Mapper| {
+        assert!(mapper.occupancy()[face] < 4e-6);
+        (1..100).find(|look| {
+            mapper.integrate(&scan(30 + look, 3.01));
+            mapper.occupancy()[face] > 0.5
+        })
+    };
+    let [found, expected] = [looks(&mut fast), looks(&mut reference)];
+    // Which of the two is first, the last digits of the joints at their bounds decide.
+    assert!(found.is_some() && found <= expected, "{found:?} looks, of the reference {expected:?}");
+}

@@ -9,6 +9,7 @@ mod outputs;
 mod processor;
 pub mod scans;
 pub mod tables;
+pub mod world;
 
 pub use options::SpeedOptions;
 
@@ -51,6 +52,8 @@ pub fn run(options: &SpeedOptions) -> Result<(), Failure> {
             return Err(Failure::BadInput(message.to_owned()));
         }
     }
+    let programs: Vec<String> = options.programs.programs.iter().map(|program| program.name.to_string()).collect();
+    options.world.check(&entries, &programs)?;
     let set = match &options.scans {
         Some(path) => file::load(path, options.sensor)?,
         None => Hall::new()?.scans(),
@@ -70,7 +73,7 @@ pub fn run(options: &SpeedOptions) -> Result<(), Failure> {
     let steps = if options.growth { growth::steps(&sizes, entries.len(), repeats) } else { 0 };
     let progress = Count::measurements(entries.len() * repeats + steps);
     let step = || progress.step();
-    let speeds = measure::measure(&entries, &setup, &set, &conditions.visited, repeats, step)?;
+    let speeds = measure::measure(&entries, &setup, (&set, options.world), &conditions.visited, repeats, step)?;
     let curves = options.growth.then(|| growth::measure(&entries, &sizes, repeats, step)).transpose()?;
     progress.finish();
 
@@ -117,6 +120,7 @@ fn conditions(options: &SpeedOptions, set: &ScanSet) -> Result<(Model, Condition
     }
     let setup = Model::new(grid, set.sensor());
     let processor = processor::name();
-    let conditions = Conditions { source, scans: set.scans.len(), visited, grid, repeats: options.repeats, processor };
+    let (scans, repeats, world) = (set.scans.len(), options.repeats, options.world);
+    let conditions = Conditions { source, scans, visited, grid, repeats, world, processor };
     Ok((setup, conditions))
 }

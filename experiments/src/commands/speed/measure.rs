@@ -8,6 +8,7 @@ use mapper::catalogue::Entry;
 use mapper::{Outside, Work};
 
 use super::scans::{ScanSet, Visited};
+use super::world::Known;
 use crate::failure::Failure;
 
 /// What one mapper took for the scans.
@@ -19,6 +20,8 @@ pub struct Speed {
     pub seconds: Vec<f64>,
     /// What it did and held in a repeat.
     pub work: Work,
+    /// Of the cells of `work`, those that rays leapt over.
+    pub skipped: u64,
     /// What became of the program, of a mapper that works in another process: in the last repeat, or in the first that failed.
     pub outside: Option<Outside>,
 }
@@ -37,7 +40,7 @@ pub fn rotated<T>(mappers: &[T], repeat: usize) -> impl Iterator<Item = (usize, 
 pub fn measure(
     entries: &[&'static Entry],
     setup: &Model,
-    set: &ScanSet,
+    (set, world): (&ScanSet, Known),
     visited: &Visited,
     repeats: usize,
     watch: impl Fn(),
@@ -48,10 +51,10 @@ pub fn measure(
         for (number, entry) in rotated(entries, repeat) {
             let speed = &mut speeds[number];
             if speed.fault().is_none() {
-                let Done { seconds, work, leaves_out, outside } = once(entry, setup, set);
+                let Done { seconds, work, skipped, leaves_out, outside } = once(entry, setup, set, world);
                 check(entry.name, work, leaves_out, visited)?;
                 speed.seconds.push(seconds);
-                (speed.work, speed.outside) = (work, outside);
+                (speed.work, speed.skipped, speed.outside) = (work, skipped, outside);
             }
             watch();
         }
@@ -70,20 +73,47 @@ struct Done {
     /// Time, s, without that for the unseen map.
     seconds: f64,
     work: Work,
+    skipped: u64,
     leaves_out: bool,
     outside: Option<Outside>,
 }
 
-fn once(entry: &Entry, setup: &Model, set: &ScanSet) -> Done {
+fn once(entry: &Entry, setup: &Model, set: &ScanSet, world: Known) -> Done {
+    if world == Known::Unknown {
+        return one_by_one(entry, setup, set);
+    }
     let mut mapper = (entry.build)(setup);
+    if world == Known::Settled {
+        (0..2).for_each(|_| set.scans.iter().for_each(|scan| mapper.integrate(scan)));
+    }
+    let before = [mapper.work().cells, mapper.skipped()];
     let start = Instant::now();
     set.scans.iter().for_each(|scan| mapper.integrate(scan));
     mapper.settle();
     let seconds = start.elapsed().as_secs_f64();
     // What it holds before it shows its map to others, which may take a copy.
-    let work = mapper.work();
+    let Work { cells, bytes } = mapper.work();
+    let work = Work { cells: cells - before[0], bytes };
     black_box(mapper.occupancy());
-    Done { seconds, work, leaves_out: mapper.leaves_out(), outside: mapper.outside().cloned() }
+    let skipped = mapper.skipped() - before[1];
+    Done { seconds, work, skipped, leaves_out: mapper.leaves_out(), outside: mapper.outside().cloned() }
+}
+
+/// Every scan on a map of its own, without the time to make it.
+fn one_by_one(entry: &Entry, setup: &Model, set: &ScanSet) -> Done {
+    let mut done = Done { seconds: 0.0, work: Work::default(), skipped: 0, leaves_out: false, outside: None };
+    for scan in &set.scans {
+        let mut mapper = (entry.build)(setup);
+        let start = Instant::now();
+        mapper.integrate(scan);
+        done.seconds += start.elapsed().as_secs_f64();
+        let work = mapper.work();
+        done.work = Work { cells: done.work.cells + work.cells, bytes: done.work.bytes.max(work.bytes) };
+        done.skipped += mapper.skipped();
+        done.leaves_out |= mapper.leaves_out();
+        black_box(mapper.occupancy());
+    }
+    done
 }
 
 /// Whether a mapper that counts did what the rays ask for, or has a rule that asks for less.
@@ -102,7 +132,7 @@ impl Speed {
     /// The speed of a mapper that took so long, s, in its repeats.
     pub fn of(mapper: &'static str, mut seconds: Vec<f64>, work: Work) -> Self {
         seconds.sort_by(f64::total_cmp);
-        Self { mapper, seconds, work, outside: None }
+        Self { mapper, seconds, work, skipped: 0, outside: None }
     }
 
     /// Why a program has no time: it gave no map.
@@ -178,7 +208,8 @@ mod tests {
     fn a_mapper_that_leaves_cells_out_is_caught() {
         let (set, setup) = set();
         let visited = set.visited(&setup.grid);
-        let error = measure(&[&LAZY], &setup, &set, &visited, 1, || ()).expect_err("three cells of sixty");
+        let error =
+            measure(&[&LAZY], &setup, (&set, Known::Mixed), &visited, 1, || ()).expect_err("three cells of sixty");
         assert!(matches!(error, Failure::Internal(_)));
         let message = error.to_string();
         assert!(
@@ -192,7 +223,7 @@ mod tests {
         let (set, setup) = set();
         let visited = set.visited(&setup.grid);
         let entries: Vec<&'static Entry> = mapper::catalogue::MAPPERS.iter().collect();
-        let speeds = measure(&entries, &setup, &set, &visited, 2, || ()).expect("all work");
+        let speeds = measure(&entries, &setup, (&set, Known::Mixed), &visited, 2, || ()).expect("all work");
         assert!(speeds.iter().all(|speed| speed.seconds.len() == 2 && speed.seconds[0] > 0.0));
         let log_odds = speeds.iter().find(|speed| speed.mapper == "log-odds-octomap").expect("in the catalogue");
         assert!((visited.owed..=visited.cells).contains(&log_odds.work.cells), "{log_odds:?} {visited:?}");

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::scans::Kernel;
+use super::world::Known;
 use crate::output::args::{FormatOption, count, positive, trimmed};
 use crate::programs::options::ProgramOptions;
 
@@ -37,6 +38,9 @@ pub struct SpeedOptions {
     /// Times that every mapper maps the scans; the best counts
     #[arg(long, value_name = "N", default_value_t = 3, allow_negative_numbers = true, value_parser = count(MOST_REPEATS))]
     pub repeats: u32,
+    /// What mappers know of the world before the scans that are timed
+    #[arg(long, value_enum, default_value_t)]
+    pub world: Known,
     /// Measure too how time grows with cells per ray, rays per scan, cells of the map and scans, in cells of 5 cm
     /// whatever --scans and --grid say
     #[arg(long)]

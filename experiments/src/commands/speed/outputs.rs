@@ -34,6 +34,7 @@ pub(super) fn write(
         "scans": conditions.source,
         "mappers": speeds.iter().map(|speed| speed.mapper).collect::<Vec<_>>(),
         "repeats": conditions.repeats,
+        "world": conditions.world.name(),
         "growth": curves.is_some(),
     });
     let Conditions { grid, processor, .. } = conditions;

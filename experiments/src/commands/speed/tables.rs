@@ -5,6 +5,7 @@ use serde_json::json;
 
 use super::measure::Speed;
 use super::scans::Visited;
+use super::world::Known;
 use crate::output::table::{Table, aligned, optional, rounded};
 
 /// What was mapped, on what.
@@ -20,6 +21,8 @@ pub struct Conditions {
     pub grid: GridSpec,
     /// Times that every mapper mapped them.
     pub repeats: u32,
+    /// What mappers knew of the world before.
+    pub world: Known,
     /// Name of the processor.
     pub processor: String,
 }
@@ -44,12 +47,14 @@ pub fn table(speeds: &[Speed], conditions: &Conditions) -> Table {
             ("scans_per_s", &|speed| rounded(*scans as f64 / best(speed))),
             ("bytes_per_cell", &|speed| rounded(speed.work.bytes as f64 / grid.cells() as f64)),
             ("cells_updated", &|speed| json!(Some(speed.work.cells).filter(|cells| *cells > 0))),
+            ("cells_skipped", &|speed| json!(speed.skipped)),
             ("ns_per_cell_median", &|speed| rounded(ns_per_cell(speed.median_s(), visited))),
             ("scans", &|_| json!(scans)),
             ("rays", &|_| json!(visited.rays)),
             ("map_cells", &|_| json!(grid.cells())),
             ("cell_m", &|_| json!(grid.cell_m)),
             ("repeats", &|_| json!(conditions.repeats)),
+            ("world", &|_| json!(conditions.world.name())),
             ("processor", &|_| json!(conditions.processor)),
         ],
     );
@@ -62,7 +67,7 @@ pub fn table(speeds: &[Speed], conditions: &Conditions) -> Table {
 
 /// The table for reading, at most 80 columns wide.
 pub fn text(speeds: &[Speed], conditions: &Conditions) -> String {
-    let Conditions { source, scans, visited, grid, repeats, processor } = conditions;
+    let Conditions { source, scans, visited, grid, repeats, world, processor } = conditions;
     let rows: Vec<Vec<String>> = speeds
         .iter()
         .map(|speed| {
@@ -82,9 +87,18 @@ pub fn text(speeds: &[Speed], conditions: &Conditions) -> String {
         })
         .collect();
     let times = if *repeats == 1 { "mapped once".to_owned() } else { format!("best and median of {repeats} times") };
+    let leaps = speeds.iter().filter(|speed| speed.skipped > 0).map(|speed| {
+        let share = 100.0 * speed.skipped as f64 / speed.work.cells as f64;
+        format!("{} leapt over {share:.0} % of its cells, in settled patches.\n", speed.mapper)
+    });
+    let known = match world {
+        Known::Mixed => "",
+        Known::Settled => "All scans were mapped twice before the clock started.\n",
+        Known::Unknown => "Every scan was mapped alone, on a map that knew nothing.\n",
+    };
     format!(
         "speed: {}\n{} scans, {} rays with a reading, {} cells visited\nA map of {} x {} cells of {} m\n\
-         One thread of {}; {times}\n\n{}\n\
+         One thread of {}; {times}\n{known}\n{}{}\n\
          A cell visited lies between the sensor and the end of a ray's range, both\nincluded, in four-connected steps: \
          the same number for every mapper. A mapper\nhas updated more where it goes on behind the range. B: bytes of map and \
          working\nstate, per cell of the map.\n",
@@ -97,6 +111,7 @@ pub fn text(speeds: &[Speed], conditions: &Conditions) -> String {
         grid.cell_m,
         shortened(processor, 64 - times.len()),
         aligned(&["mapper", "ns/cell", "median", "rays/s", "scans/s", "updated", "B/cell"], &rows),
+        leaps.collect::<String>(),
     )
 }
 
@@ -135,12 +150,14 @@ mod tests {
             visited,
             grid,
             repeats: 1000,
+            world: Known::Settled,
             processor: "Intel(R) Xeon(R) Platinum 8488C with a name that goes on".to_owned(),
         };
         let speed = |mapper, cells| Speed {
             mapper,
             seconds: vec![2.0, 3.0, 4.0],
             work: Work { cells, bytes: 25_000_000 * 72 },
+            skipped: cells / 3,
             outside: None,
         };
         (vec![speed("log-odds-cartographer", 12_345_678_901), speed("mrf", 0)], conditions)
