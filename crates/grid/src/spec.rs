@@ -123,15 +123,20 @@ impl GridSpec {
     /// The neighbours of a cell with the edges to them: right, up, left, down, where they exist.
     pub fn neighbours(&self, index: usize) -> impl Iterator<Item = Neighbour> + use<> {
         let (column, row) = self.column_row(index);
+        self.neighbours_at(column, row).into_iter().flatten()
+    }
+
+    /// The same of the cell at (`column`, `row`).
+    #[inline(always)]
+    pub fn neighbours_at(&self, column: usize, row: usize) -> [Option<Neighbour>; 4] {
         let Self { width, height, .. } = *self;
+        let index = self.index(column, row);
         [
             (column + 1 < width).then(|| Neighbour { cell: index + 1, edge: 2 * index }),
             (row + 1 < height).then(|| Neighbour { cell: index + width, edge: 2 * index + 1 }),
             (column > 0).then(|| Neighbour { cell: index - 1, edge: 2 * (index - 1) }),
             (row > 0).then(|| Neighbour { cell: index - width, edge: 2 * (index - width) + 1 }),
         ]
-        .into_iter()
-        .flatten()
     }
 }
 

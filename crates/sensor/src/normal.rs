@@ -3,6 +3,8 @@
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 use std::sync::LazyLock;
 
+use crate::lanes::{LANES, Lanes, each};
+
 /// Beyond this many standard deviations the density is below 1e-15 and counts as nothing, beside anything else.
 pub(crate) const REACH: f64 = 8.5;
 
@@ -55,6 +57,11 @@ pub(crate) fn mean_density(low: f64, high: f64, reach: f64) -> f64 {
 /// short, the series about its middle, which leaves out terms of order `width^4 / 1920`. Never below 0, where nothing but
 /// rounding is left.
 pub(crate) fn mean_cumulative(low: f64, high: f64, reach: f64) -> f64 {
+    mean_cumulative_by(&mut exact_integral, low, high, reach)
+}
+
+/// The same by whoever knows the exact integral.
+fn mean_cumulative_by(integral: &mut impl FnMut(f64) -> f64, low: f64, high: f64, reach: f64) -> f64 {
     const SHORT: f64 = 1e-3;
     let width = high - low;
     if high < -reach {
@@ -62,11 +69,36 @@ pub(crate) fn mean_cumulative(low: f64, high: f64, reach: f64) -> f64 {
     } else if low > reach || width == f64::INFINITY {
         1.0
     } else if width >= SHORT {
-        ((exact_integral(high) - exact_integral(low)) / width).clamp(0.0, 1.0)
+        ((integral(high) - integral(low)) / width).clamp(0.0, 1.0)
     } else {
         let middle = 0.5 * (low + high);
         let cumulative = if middle < 0.0 { tail(middle) } else { 1.0 - tail(middle) };
         (cumulative - width * width * middle * density(middle) / 24.0).clamp(0.0, 1.0)
+    }
+}
+
+/// [`mean_cumulative`] over one interval after the other, the first of which ends where the next begins: integrals are kept to there.
+pub(crate) struct MeanCumulative {
+    /// Where, and the integral; the last two.
+    kept: [(f64, f64); 2],
+}
+
+impl MeanCumulative {
+    pub(crate) fn new() -> Self {
+        Self { kept: [(f64::NAN, f64::NAN); 2] }
+    }
+
+    /// The mean over `low ..= high`.
+    pub(crate) fn over(&mut self, low: f64, high: f64, reach: f64) -> f64 {
+        let kept = &mut self.kept;
+        let mut integral = |x: f64| {
+            if let Some((_, integral)) = kept.iter().find(|(at, _)| at.to_bits() == x.to_bits()) {
+                return *integral;
+            }
+            *kept = [kept[1], (x, exact_integral(x))];
+            kept[1].1
+        };
+        mean_cumulative_by(&mut integral, low, high, reach)
     }
 }
 
@@ -81,11 +113,44 @@ pub(crate) fn cumulative_integral(x: f64) -> f64 {
     if x < -REACH {
         return 0.0;
     }
-    let Some([[a, da], [b, db]]) = INTEGRALS.get(((x + REACH) * PER_UNIT) as usize) else { return x };
-    // The cubic that has value and slope at both ends, error below step^4 / 384 times the fourth derivative.
-    let t = ((x + REACH) * PER_UNIT).fract();
+    let place = (x + REACH) * PER_UNIT;
+    let Some(step) = INTEGRALS.get(place as usize) else { return x };
+    cubic(*step, place.fract())
+}
+
+/// The cubic that has value and slope at both ends of a step of the table, error below step^4 / 384 times the fourth derivative.
+#[inline(always)]
+fn cubic([[a, da], [b, db]]: [[f64; 2]; 2], t: f64) -> f64 {
     let s = 1.0 - t;
     (a * (1.0 + 2.0 * t) + da * t) * s * s + (b * (1.0 + 2.0 * s) - db * s) * t * t
+}
+
+/// [`cumulative_integral`] in lanes, to the bit.
+#[derive(Clone, Copy)]
+pub(crate) struct CumulativeIntegrals(&'static [[[f64; 2]; 2]]);
+
+impl CumulativeIntegrals {
+    /// The table.
+    pub(crate) fn new() -> Self {
+        Self(&INTEGRALS)
+    }
+
+    #[inline(always)]
+    pub(crate) fn at(self, x: &Lanes<f64>) -> Lanes<f64> {
+        let end = self.0.len() as f64;
+        let place = each(|l| (x[l] + REACH) * PER_UNIT);
+        let inside = each(|l| if place[l] > 0.0 { place[l] } else { 0.0 });
+        let inside = each(|l| if inside[l] < end - 0.5 { inside[l] } else { end - 0.5 });
+        let number = each(|l| inside[l] as u32);
+        let t = each(|l| inside[l] - f64::from(number[l]));
+        let (mut a, mut da, mut b, mut db) = ([0.0; LANES], [0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        for l in 0..LANES {
+            [[a[l], da[l]], [b[l], db[l]]] = self.0[number[l] as usize];
+        }
+        let inner = each(|l| cubic([[a[l], da[l]], [b[l], db[l]]], t[l]));
+        let inner = each(|l| if place[l] < end { inner[l] } else { x[l] });
+        each(|l| if x[l] < -REACH { 0.0 } else { inner[l] })
+    }
 }
 
 /// Steps of the table per unit.
@@ -152,6 +217,17 @@ mod tests {
             assert!(error.abs() < 1e-12, "{x}: {error}");
         }
         assert!(cumulative_integral(f64::INFINITY).is_infinite());
+    }
+
+    #[test]
+    fn in_lanes_it_is_the_same_to_the_bit() {
+        let at = |k: i32| f64::from(k) * 1.000_37e-2;
+        for k in (-2000..2000).step_by(LANES) {
+            let mut x = each(|l| at(k + l as i32));
+            x[3] = [f64::NEG_INFINITY, f64::INFINITY, -REACH, REACH, -0.0][k as usize % 5];
+            let found = CumulativeIntegrals::new().at(&x);
+            assert_eq!(found.map(f64::to_bits), x.map(|x| cumulative_integral(x).to_bits()), "{x:?}");
+        }
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! The moments of the rays' posteriors, Eq. (20) in the basis that separates it.
 
+use std::ops::Range;
+
 use grid::GridSpec;
 
 use crate::memory::Held;
@@ -35,8 +37,10 @@ pub struct Moments {
     pub(crate) spec: GridSpec,
     pub(crate) cell: Vec<Mean>,
     pub(crate) edge: Vec<Mean>,
-    /// Cells with a mean, in the order in which rays first touched them.
-    pub(crate) touched: Vec<usize>,
+    /// Cells with a mean, a bit to each.
+    touched: Vec<u64>,
+    /// The words of `touched` that may have a bit.
+    words: Range<usize>,
 }
 
 /// `m_i`, `m_j` and `m_ij` of a joint.
@@ -52,7 +56,8 @@ impl Moments {
             spec,
             cell: vec![Mean::default(); spec.cells()],
             edge: vec![Mean::default(); 2 * spec.cells()],
-            touched: Vec::new(),
+            touched: vec![0; spec.cells().div_ceil(64)],
+            words: usize::MAX..0,
         }
     }
 
@@ -71,22 +76,36 @@ impl Moments {
         }
     }
 
+    #[inline(always)]
     fn add_cell(&mut self, cell: usize, moment: f64) {
-        if self.cell[cell].count == 0 {
-            self.touched.push(cell);
-        }
+        let word = cell / 64;
+        self.touched[word] |= 1 << (cell % 64);
+        self.words = self.words.start.min(word)..self.words.end.max(word + 1);
         self.cell[cell].add(moment);
+    }
+
+    /// Cells with a mean, in the order of their indices.
+    pub(crate) fn touched(&self) -> impl Iterator<Item = usize> + use<'_> {
+        let words = self.words.clone();
+        let bits = self.touched.get(words.clone()).unwrap_or_default().iter().zip(words);
+        bits.flat_map(|(&bits, word)| {
+            let left = std::iter::successors(Some(bits), |bits| Some(bits & (bits - 1))).take_while(|bits| *bits != 0);
+            left.map(move |bits| 64 * word + bits.trailing_zeros() as usize)
+        })
     }
 
     /// Forgets everything, at the cost of what was touched.
     pub(crate) fn clear(&mut self) {
-        for &cell in &self.touched {
-            self.cell[cell] = Mean::default();
-            for n in self.spec.neighbours(cell) {
-                self.edge[n.edge] = Mean::default();
+        for word in std::mem::replace(&mut self.words, usize::MAX..0) {
+            let mut bits = std::mem::take(&mut self.touched[word]);
+            while bits != 0 {
+                let cell = 64 * word + bits.trailing_zeros() as usize;
+                bits &= bits - 1;
+                self.cell[cell] = Mean::default();
+                // Of the ends of an edge on a ray both are touched: it is enough to ask the lower.
+                self.edge[2 * cell..2 * cell + 2].fill(Mean::default());
             }
         }
-        self.touched.clear();
     }
 }
 

@@ -1,10 +1,11 @@
 //! Agreement between rays: least squares under constraints, Eqs. (18)-(20), in closed form.
 
+use grid::{GridSpec, Neighbour};
 use serde::{Deserialize, Serialize};
 
 use crate::belief::probability::bounded;
 use crate::pairs::grid::PairwiseGrid;
-use crate::pairs::joint::{both_occupied, bounds, correlation};
+use crate::pairs::joint::{Joint, both_occupied, bounds, correlation};
 use crate::pairs::moments::{self, Moments};
 
 /// What becomes of an edge that no ray of the scan runs along.
@@ -27,17 +28,22 @@ impl PairwiseGrid {
     pub fn reconcile(&mut self, moments: &mut Moments, rule: Reconciliation) {
         let off_rays = self.edges_off_rays(moments, rule);
         self.set_marginals(moments, rule);
-        for &cell in &moments.touched {
-            for n in self.spec().neighbours(cell).filter(|n| n.cell > cell && moments.edge[n.edge].count > 0) {
-                self.set_product_moment(cell, n.cell, n.edge, moments.edge[n.edge].value());
+        for cell in moments.touched() {
+            // Both ends of an edge on a ray are touched: the lower one sets it.
+            for (edge, other) in [(2 * cell, cell + 1), (2 * cell + 1, cell + self.spec().width)] {
+                let product = moments.edge[edge];
+                if product.count > 0 {
+                    self.set_product_moment(cell, other, edge, product.value());
+                }
             }
         }
-        for edge in off_rays {
-            match edge.keeps {
-                Kept::Correlation(c) => {
-                    self.both[edge.number] = both_occupied(self.marginal[edge.ends[0]], self.marginal[edge.ends[1]], c);
+        for EdgeOffRays { number, ends, keeps } in off_rays {
+            let [a, b] = ends.map(|cell| cell as usize);
+            match rule {
+                Reconciliation::AllEdges => self.set_product_moment(a, b, number as usize, keeps),
+                Reconciliation::Touched => {
+                    self.both[number as usize] = both_occupied(self.marginal[a], self.marginal[b], keeps);
                 }
-                Kept::ProductMoment(m) => self.set_product_moment(edge.ends[0], edge.ends[1], edge.number, m),
             }
         }
         moments.clear();
@@ -47,7 +53,7 @@ impl PairwiseGrid {
     /// [`reconcile`](Self::reconcile), and every joint becomes the product of its marginals.
     pub fn reconcile_cells(&mut self, moments: &mut Moments, rule: Reconciliation) {
         self.set_marginals(moments, rule);
-        for &cell in &moments.touched {
+        for cell in moments.touched() {
             for n in self.spec().neighbours(cell) {
                 self.both[n.edge] = both_occupied(self.marginal[cell], self.marginal[n.cell], 0.0);
             }
@@ -57,10 +63,12 @@ impl PairwiseGrid {
 
     /// The mean of each touched cell's moment.
     fn set_marginals(&mut self, moments: &Moments, rule: Reconciliation) {
-        for &cell in &moments.touched {
+        let mut places = Places::new(self.spec());
+        for cell in moments.touched() {
             let mut mean = moments.cell[cell];
             if rule == Reconciliation::AllEdges {
-                let off_rays = self.spec().neighbours(cell).filter(|n| moments.edge[n.edge].count == 0).count() as u32;
+                let off_ray = |n: &Option<Neighbour>| n.is_some_and(|n| moments.edge[n.edge].count == 0);
+                let off_rays: u32 = places.neighbours(cell).iter().map(|n| u32::from(off_ray(n))).sum();
                 mean.sum += f64::from(off_rays) * (2.0 * self.marginal[cell] - 1.0);
                 mean.count += off_rays;
             }
@@ -71,20 +79,24 @@ impl PairwiseGrid {
     /// Edges on no ray that end at a cell on one, with what they keep of their state before the scan.
     fn edges_off_rays(&self, moments: &Moments, rule: Reconciliation) -> Vec<EdgeOffRays> {
         let mut off_rays = Vec::new();
-        for &cell in &moments.touched {
-            for n in self.spec().neighbours(cell) {
+        let mut places = Places::new(self.spec());
+        for cell in moments.touched() {
+            for n in places.neighbours(cell).into_iter().flatten() {
                 let twice = n.cell < cell && moments.cell[n.cell].count > 0;
                 if moments.edge[n.edge].count > 0 || twice {
                     continue;
                 }
-                let joint = self.joint(cell, n.cell);
+                let joint = Joint::new(self.marginal[cell], self.marginal[n.cell], self.both[n.edge]);
                 let keeps = match rule {
-                    Reconciliation::AllEdges => Kept::ProductMoment(moments::of(&joint)[2]),
-                    Reconciliation::Touched => {
-                        Kept::Correlation(correlation(self.marginal[cell], self.marginal[n.cell], joint.ee))
-                    }
+                    Reconciliation::AllEdges => moments::of(&joint)[2],
+                    Reconciliation::Touched => correlation(self.marginal[cell], self.marginal[n.cell], joint.ee),
                 };
-                off_rays.push(EdgeOffRays { number: n.edge, ends: [cell, n.cell], keeps });
+                // GridSpec::MAX_CELLS fits a u32.
+                off_rays.push(EdgeOffRays {
+                    number: n.edge as u32,
+                    ends: [cell, n.cell].map(|cell| cell as u32),
+                    keeps,
+                });
             }
         }
         off_rays
@@ -101,12 +113,31 @@ impl PairwiseGrid {
 }
 
 struct EdgeOffRays {
-    number: usize,
-    ends: [usize; 2],
-    keeps: Kept,
+    number: u32,
+    ends: [u32; 2],
+    /// Its product moment ([`Reconciliation::AllEdges`]) or its correlation ([`Reconciliation::Touched`]).
+    keeps: f64,
 }
 
-enum Kept {
-    Correlation(f64),
-    ProductMoment(f64),
+/// Where cells lie that are asked about in the order of their indices, without a division for each.
+struct Places {
+    spec: GridSpec,
+    row: usize,
+    /// The first cell of the row.
+    first: usize,
+}
+
+impl Places {
+    fn new(spec: &GridSpec) -> Self {
+        Self { spec: *spec, row: 0, first: 0 }
+    }
+
+    /// The neighbours of a cell: right, up, left, down.
+    #[inline(always)]
+    fn neighbours(&mut self, cell: usize) -> [Option<Neighbour>; 4] {
+        while cell >= self.first + self.spec.width {
+            (self.row, self.first) = (self.row + 1, self.first + self.spec.width);
+        }
+        self.spec.neighbours_at(cell - self.first, self.row)
+    }
 }

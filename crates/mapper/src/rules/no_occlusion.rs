@@ -17,7 +17,7 @@ use crate::pairs::moments::Moments;
 use crate::pairs::posterior::RayPosterior;
 use crate::pairs::reconcile::Reconciliation;
 use crate::ray::chain::Chain;
-use crate::rules::conventional::ConventionalRule;
+use crate::rules::conventional::{Along, ConventionalRule};
 
 /// Updates the pairs along one ray with likelihoods of every cell by itself.
 ///
@@ -100,7 +100,7 @@ pub struct NoOcclusion {
     reconciliation: Reconciliation,
     line: DigitalLine,
     chain: Chain,
-    unaries: Vec<[f64; 2]>,
+    along: Along,
     posterior: RayPosterior,
     moments: Moments,
     cells: u64,
@@ -116,7 +116,7 @@ impl NoOcclusion {
             reconciliation: model.reconciliation,
             line: DigitalLine::default(),
             chain: Chain::default(),
-            unaries: Vec::new(),
+            along: Along::default(),
             posterior: RayPosterior::default(),
             moments: Moments::new(model.grid),
             cells: 0,
@@ -140,12 +140,9 @@ impl Mapper for NoOcclusion {
                 continue;
             }
             self.chain.gather(&self.pairs, self.line.cells());
-            self.unaries.clear();
-            self.unaries.extend(self.line.ranges().windows(2).map(|chord| {
-                let likelihoods = rule.likelihoods(sensor, reading, ray.bearing_rad, chord[0], chord[1]);
-                likelihoods.unwrap_or([1.0; 2]) // Eqs. (23)-(26)
-            }));
-            posterior(&self.chain, &self.unaries, &mut self.posterior);
+            rule.along(sensor, reading, ray.bearing_rad, self.line.ranges(), &mut self.along); // Eqs. (23)-(26)
+            self.along.likelihoods.resize(self.line.len(), [1.0; 2]);
+            posterior(&self.chain, &self.along.likelihoods, &mut self.posterior);
             self.moments.add(self.line.cells(), &self.posterior); // Eq. (20)
             self.cells += self.line.len() as u64;
         }
@@ -162,7 +159,7 @@ impl Mapper for NoOcclusion {
     }
 
     fn work(&self) -> Work {
-        let ray = self.line.held() + self.chain.held() + self.unaries.held() + self.posterior.held();
+        let ray = self.line.held() + self.chain.held() + self.along.held() + self.posterior.held();
         Work { cells: self.cells, bytes: self.pairs.held() + self.moments.held() + ray }
     }
 }
