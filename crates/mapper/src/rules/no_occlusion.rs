@@ -5,11 +5,15 @@
 //! chain: prior pairs from the map, one unary per cell. Its posterior is the forward-backward recursion
 //! of Rabiner, "A tutorial on hidden Markov models", Proceedings of the IEEE 77, 1989.
 
+mod bundle;
+
 use grid::{DigitalLine, Raster};
 use sensor::Scan;
+use sensor::lanes::LANES;
 
+use self::bundle::Bundle;
 use crate::mapper::{Mapper, Work};
-use crate::memory::Held as _;
+use crate::memory::Held;
 use crate::model::{Model, Sensors};
 use crate::pairs::grid::PairwiseGrid;
 use crate::pairs::joint::Joint;
@@ -98,9 +102,10 @@ pub struct NoOcclusion {
     /// The rule of every sensor.
     rules: Vec<ConventionalRule>,
     reconciliation: Reconciliation,
-    line: DigitalLine,
-    chain: Chain,
+    lines: [DigitalLine; LANES],
     along: Along,
+    bundle: Bundle,
+    chain: Chain,
     posterior: RayPosterior,
     moments: Moments,
     cells: u64,
@@ -114,13 +119,29 @@ impl NoOcclusion {
             sensors: model.sensors.clone(),
             rules: ConventionalRule::default().for_sensors(model),
             reconciliation: model.reconciliation,
-            line: DigitalLine::default(),
-            chain: Chain::default(),
+            lines: Default::default(),
             along: Along::default(),
+            bundle: Bundle::default(),
+            chain: Chain::default(),
             posterior: RayPosterior::default(),
             moments: Moments::new(model.grid),
             cells: 0,
         }
+    }
+
+    /// Updates so many rays, and adds what came out in their order.
+    fn update(&mut self, bundled: usize) {
+        self.bundle.update();
+        for (lane, line) in self.lines[..bundled].iter().enumerate() {
+            if let Some(posterior) = self.bundle.moments(lane) {
+                self.moments.add_moments(line.cells(), &posterior); // Eq. (20)
+            } else {
+                self.chain.gather(&self.pairs, line.cells());
+                self.chain.keep(&mut self.posterior);
+                self.moments.add(line.cells(), &self.posterior);
+            }
+        }
+        self.bundle.clear();
     }
 
     /// The map with its joint probabilities.
@@ -131,21 +152,26 @@ impl NoOcclusion {
 
 impl Mapper for NoOcclusion {
     fn integrate(&mut self, scan: &Scan) {
-        let sensor = &**self.sensors.of(scan);
+        let sensor = std::sync::Arc::clone(self.sensors.of(scan));
         let rule = self.rules[scan.sensor];
+        let mut bundled = 0;
         for ray in scan.rays() {
             let Some(reading) = ray.reading else { continue };
-            self.line.trace(self.pairs.spec(), ray.origin_m, ray.direction, f64::INFINITY);
-            if self.line.is_empty() {
+            let line = &mut self.lines[bundled];
+            line.trace(self.pairs.spec(), ray.origin_m, ray.direction, f64::INFINITY);
+            if line.is_empty() {
                 continue;
             }
-            self.chain.gather(&self.pairs, self.line.cells());
-            rule.along(sensor, reading, ray.bearing_rad, self.line.ranges(), &mut self.along); // Eqs. (23)-(26)
-            self.along.likelihoods.resize(self.line.len(), [1.0; 2]);
-            posterior(&self.chain, &self.along.likelihoods, &mut self.posterior);
-            self.moments.add(self.line.cells(), &self.posterior); // Eq. (20)
-            self.cells += self.line.len() as u64;
+            rule.along(&*sensor, reading, ray.bearing_rad, line.ranges(), &mut self.along); // Eqs. (23)-(26)
+            self.along.likelihoods.resize(line.len(), [1.0; 2]);
+            self.bundle.gather(bundled, &self.pairs, line, &self.along.likelihoods);
+            self.cells += line.len() as u64;
+            bundled += 1;
+            if bundled == LANES {
+                self.update(std::mem::take(&mut bundled));
+            }
         }
+        self.update(bundled);
         self.pairs.reconcile(&mut self.moments, self.reconciliation); // Eqs. (18)-(20)
         debug_assert_eq!(self.pairs.check(), Ok(()));
     }
@@ -159,7 +185,8 @@ impl Mapper for NoOcclusion {
     }
 
     fn work(&self) -> Work {
-        let ray = self.line.held() + self.chain.held() + self.along.held() + self.posterior.held();
-        Work { cells: self.cells, bytes: self.pairs.held() + self.moments.held() + ray }
+        let lines: usize = self.lines.iter().map(Held::held).sum();
+        let rays = lines + self.along.held() + self.bundle.held() + self.chain.held() + self.posterior.held();
+        Work { cells: self.cells, bytes: self.pairs.held() + self.moments.held() + rays }
     }
 }
