@@ -17,9 +17,8 @@ pub struct DigitalLine {
     /// Buffers are as long as the longest line so far.
     cells: Vec<usize>,
     ranges: Vec<f64>,
-    /// The crossings of the axis of which there are fewer, and one more: range, m, and what is added to the index of the cell behind.
-    ranges_m: Vec<f64>,
-    behind: Vec<usize>,
+    /// Ranges (m) of the crossings of the axis of which there are fewer, and of one more.
+    others_m: Vec<f64>,
 }
 
 impl DigitalLine {
@@ -35,42 +34,44 @@ impl DigitalLine {
         if self.cells.len() < cells {
             self.cells.resize(cells, 0);
             self.ranges.resize(cells + 1, 0.0);
-            self.ranges_m.resize(cells + 1, 0.0);
-            self.behind.resize(cells + 1, 0);
+            self.others_m.resize(cells, 0.0);
         }
-        let (column, row) = (|column: usize| column, |row: usize| row.wrapping_mul(spec.width));
-        if self.stairs.steep() { self.merge(row, column) } else { self.merge(column, row) }
+        self.merge(spec);
     }
 
-    /// Puts the crossings of both axes in order, with what a column (or row) of the main axis and what one of the other adds to the
-    /// index of a cell.
-    #[inline(always)]
-    fn merge(&mut self, along: impl Fn(usize) -> usize, across: impl Fn(usize) -> usize) {
-        let Some([(main, mains), (other, others)]) = self.stairs.axes() else { return };
-        let (ranges_m, behind) = (&mut self.ranges_m[..=others], &mut self.behind[..=others + 1]);
-        for (k, range_m) in ranges_m.iter_mut().enumerate() {
+    /// Puts the crossings of both axes in order.
+    fn merge(&mut self, spec: &GridSpec) {
+        let Some([(_, mains), (other, others)]) = self.stairs.axes() else { return };
+        let others_m = &mut self.others_m[..=others];
+        for (k, range_m) in others_m.iter_mut().enumerate() {
             *range_m = ahead(other.range_m(k as f64));
         }
-        for (k, behind) in behind.iter_mut().enumerate() {
-            *behind = across(other.behind(k));
-        }
+        // What a crossing of either axis adds to the index of a cell.
+        let [start, along, across] = [[0, 0], [1, 0], [0, 1]].map(|[main, other]| {
+            let [column, row] = self.stairs.cell(main, other);
+            column.wrapping_add(row.wrapping_mul(spec.width))
+        });
+        let (along, across) = (along.wrapping_sub(start), across.wrapping_sub(start));
         let (cells, ranges) = (&mut self.cells[..=mains + others], &mut self.ranges[..=mains + others + 1]);
-        let (mut place, mut passed) = (along(main.behind(0)), 0);
-        (cells[0], ranges[0]) = (place.wrapping_add(behind[0]), 0.0);
+        let (mut place, mut passed) = (start, 0);
+        (cells[0], ranges[0]) = (place, 0.0);
         for (k, (&before, &range_m)) in self.stairs.before().iter().zip(self.stairs.ranges_m()).enumerate() {
             let before = (before as usize).min(others);
             // There is none or one of the other axis in between, and no branch on which. Rounding can make it two.
             let at = k + passed + 1;
-            (cells[at], ranges[at]) = (place.wrapping_add(behind[passed + 1]), ranges_m[passed]);
+            (cells[at], ranges[at]) = (place.wrapping_add(across), others_m[passed]);
             for second in passed + 1..before {
-                (cells[k + second + 1], ranges[k + second + 1]) = (place + behind[second + 1], ranges_m[second]);
+                let crossings = across.wrapping_mul(second + 1 - passed);
+                (cells[k + second + 1], ranges[k + second + 1]) = (place.wrapping_add(crossings), others_m[second]);
             }
-            (place, passed) = (along(main.behind(k + 1)), before);
+            place = place.wrapping_add(across.wrapping_mul(before - passed)).wrapping_add(along);
+            passed = before;
             let at = k + passed + 1;
-            (cells[at], ranges[at]) = (place + behind[passed], ahead(range_m));
+            (cells[at], ranges[at]) = (place, ahead(range_m));
         }
         for last in passed..others {
-            (cells[mains + last + 1], ranges[mains + last + 1]) = (place + behind[last + 1], ranges_m[last]);
+            place = place.wrapping_add(across);
+            (cells[mains + last + 1], ranges[mains + last + 1]) = (place, others_m[last]);
         }
         ranges[mains + others + 1] = self.stairs.end_m();
     }

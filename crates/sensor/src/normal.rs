@@ -114,8 +114,7 @@ pub(crate) fn cumulative_integral(x: f64) -> f64 {
         return 0.0;
     }
     let place = (x + REACH) * PER_UNIT;
-    let Some(step) = INTEGRALS.get(place as usize) else { return x };
-    cubic(*step, place.fract())
+    if place < STEPS as f64 { cubic(INTEGRALS[place as usize], place.fract()) } else { x }
 }
 
 /// The cubic that has value and slope at both ends of a step of the table, error below step^4 / 384 times the fourth derivative.
@@ -127,7 +126,7 @@ fn cubic([[a, da], [b, db]]: [[f64; 2]; 2], t: f64) -> f64 {
 
 /// [`cumulative_integral`] in lanes, to the bit.
 #[derive(Clone, Copy)]
-pub(crate) struct CumulativeIntegrals(&'static [[[f64; 2]; 2]]);
+pub(crate) struct CumulativeIntegrals(&'static Table);
 
 impl CumulativeIntegrals {
     /// The table.
@@ -137,15 +136,19 @@ impl CumulativeIntegrals {
 
     #[inline(always)]
     pub(crate) fn at(self, x: &Lanes<f64>) -> Lanes<f64> {
-        let end = self.0.len() as f64;
+        /// A sum with 2^52 has no fraction, and its low bits are the other number.
+        const WHOLE: f64 = 4_503_599_627_370_496.0;
+        let end = STEPS as f64;
         let place = each(|l| (x[l] + REACH) * PER_UNIT);
         let inside = each(|l| if place[l] > 0.0 { place[l] } else { 0.0 });
         let inside = each(|l| if inside[l] < end - 0.5 { inside[l] } else { end - 0.5 });
-        let number = each(|l| inside[l] as u32);
-        let t = each(|l| inside[l] - f64::from(number[l]));
+        let nearest = each(|l| (inside[l] + WHOLE) - WHOLE);
+        let number = each(|l| if nearest[l] > inside[l] { nearest[l] - 1.0 } else { nearest[l] });
+        let t = each(|l| inside[l] - number[l]);
+        let number: Lanes<u32> = each(|l| (number[l] + WHOLE).to_bits() as u32);
         let (mut a, mut da, mut b, mut db) = ([0.0; LANES], [0.0; LANES], [0.0; LANES], [0.0; LANES]);
         for l in 0..LANES {
-            [[a[l], da[l]], [b[l], db[l]]] = self.0[number[l] as usize];
+            [[a[l], da[l]], [b[l], db[l]]] = self.0[number[l] as usize % ROOM];
         }
         let inner = each(|l| cubic([[a[l], da[l]], [b[l], db[l]]], t[l]));
         let inner = each(|l| if place[l] < end { inner[l] } else { x[l] });
@@ -156,15 +159,24 @@ impl CumulativeIntegrals {
 /// Steps of the table per unit.
 const PER_UNIT: f64 = 256.0;
 
+/// Steps of the table, and room for so many that a remainder is a place in it.
+const STEPS: usize = (2.0 * REACH * PER_UNIT) as usize;
+const ROOM: usize = STEPS.next_power_of_two();
+
 /// Value and slope times step, at both ends of every step from `-REACH` to `REACH`.
-static INTEGRALS: LazyLock<Vec<[[f64; 2]; 2]>> = LazyLock::new(|| {
-    let steps = (2.0 * REACH * PER_UNIT) as usize;
+type Table = [[[f64; 2]; 2]; ROOM];
+
+static INTEGRALS: LazyLock<Box<Table>> = LazyLock::new(|| {
     let at = |k: usize| {
         let x = k as f64 / PER_UNIT - REACH;
         let cumulative = if x < 0.0 { tail(x) } else { 1.0 - tail(x) };
         [x * cumulative + density(x), cumulative / PER_UNIT]
     };
-    (0..steps).map(|k| [at(k), at(k + 1)]).collect()
+    let mut table = Box::new([[[0.0; 2]; 2]; ROOM]);
+    for (k, step) in table[..STEPS].iter_mut().enumerate() {
+        *step = [at(k), at(k + 1)];
+    }
+    table
 });
 
 #[cfg(test)]

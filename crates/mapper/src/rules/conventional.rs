@@ -242,7 +242,8 @@ impl Mapper for Conventional {
 mod tests {
     use super::*;
     use grid::GridSpec;
-    use sensor::{InverseModel as _, Pose, Stereo};
+    use proptest::prelude::*;
+    use sensor::{InverseModel as _, Laser, Pose, Stereo};
     use std::sync::Arc;
 
     fn model(width: usize) -> Model {
@@ -253,6 +254,66 @@ mod tests {
     fn scan(reading: f64) -> Scan {
         let pose = Pose { x_m: 0.0, y_m: 0.025, theta_rad: 0.0 };
         Scan { sensor: 0, time_s: 0.0, pose, bearings_rad: vec![0.0], readings: vec![Some(reading)] }
+    }
+
+    /// The rule cell by cell: every chord asked about by itself, to the end of the map.
+    fn cell_by_cell(model: &Model, rules: &[ConventionalRule], scans: &[Scan]) -> (Raster<f64>, u64) {
+        let (mut map, mut cells) = (Raster::filled(model.grid, model.prior.marginal()), 0);
+        for scan in scans {
+            let (sensor, rule) = (&**model.sensors.of(scan), rules[scan.sensor]);
+            for ray in scan.rays() {
+                let Some(reading) = ray.reading else { continue };
+                let mut line = DigitalLine::default();
+                line.trace(&model.grid, ray.origin_m, ray.direction, f64::INFINITY);
+                for (&cell, chord) in line.cells().iter().zip(line.ranges().windows(2)) {
+                    let free = chord[1] <= sensor.clear_until(reading, rule.half_width, ray.bearing_rad);
+                    let seen_free = free.then_some([1.0 - sensor.correct_match(), sensor.correct_match()]);
+                    let likelihoods = || rule.likelihoods(sensor, reading, ray.bearing_rad, chord[0], chord[1]);
+                    let Some(likelihoods) = seen_free.or_else(likelihoods) else { break };
+                    map[cell] = rule.update(map[cell], likelihoods);
+                    cells += 1;
+                }
+            }
+        }
+        (map, cells)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 500, failure_persistence: None, ..ProptestConfig::default() })]
+
+        /// To the bit: readings at the sensor, beyond the map and without range, none, bearings behind the camera, rays from grid lines.
+        #[test]
+        fn it_is_the_rule_cell_by_cell(
+            (width, height) in (1usize..70, 1usize..50), at in prop::array::uniform2((0.0f64..1.0, any::<bool>())), quarter in 0usize..8,
+            rays in prop::collection::vec((
+                prop_oneof![6 => -1.5f64..1.5, 2 => -4.0f64..4.0, 1 => Just(0.0)],
+                prop_oneof![5 => (0.0f64..5.0).prop_map(Some), 2 => (0.0f64..70.0).prop_map(Some), 1 => Just(Some(0.0)),
+                    1 => Just(Some(f64::INFINITY)), 1 => Just(None)],
+            ), 1..20),
+            clamp in prop::sample::select(vec![[EPSILON, 1.0 - EPSILON], [0.005, 0.4], [0.2, 0.6]]), sigma in 0.02f64..0.8, which in 0usize..2,
+        ) {
+            let grid = GridSpec { cell_m: 0.05, origin_m: [-0.4, 3.0], width, height };
+            let sensors: Vec<Arc<dyn SensorModel>> = vec![
+                Arc::new(Stereo { disparity_sigma: sigma, ..Stereo::default() }),
+                Arc::new(Laser { range_sigma_m: 0.1 * sigma, max_range_m: 2.0, ..Laser::default() }),
+            ];
+            let model = Model { sensors: Sensors::new(sensors), ..Model::new(grid, Arc::new(Stereo::default())) };
+            let [x_m, y_m] = [0, 1].map(|k| {
+                let cells = at[k].0 * [width, height][k] as f64;
+                grid.origin_m[k] + 0.05 * if at[k].1 { cells.floor() } else { cells }
+            });
+            let pose = Pose { x_m, y_m, theta_rad: quarter as f64 * std::f64::consts::FRAC_PI_4 };
+            let (bearings_rad, readings): (Vec<f64>, Vec<Option<f64>>) = rays.into_iter().unzip();
+            let scan = |sensor| Scan { sensor, time_s: 0.0, pose, bearings_rad: bearings_rad.clone(), readings: readings.clone() };
+            let scans = [scan(which), scan(1 - which)];
+            let rule = ConventionalRule { clamp, ..ConventionalRule::default() };
+            let mut mapper = Conventional::for_sensors(&model, rule);
+            scans.iter().for_each(|scan| mapper.integrate(scan));
+            let (map, cells) = cell_by_cell(&model, &rule.for_sensors(&model), &scans);
+            let bits = |map: &Raster<f64>| map.values().iter().map(|p| p.to_bits()).collect::<Vec<_>>();
+            prop_assert_eq!(bits(mapper.occupancy()), bits(&map));
+            prop_assert_eq!(mapper.work().cells, cells);
+        }
     }
 
     #[test]

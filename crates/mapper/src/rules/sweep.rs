@@ -1,16 +1,14 @@
 //! The cells of a ray as sets of bits, one for every patch that it crosses.
 
-use std::ops::Range;
-
 use grid::Staircase;
-use sensor::lanes::{LANES, Lanes, each};
+use sensor::lanes::LANES;
 use sensor::{Ray, in_lanes};
 
 use crate::fast::tiles::{Numbering, PATCH, SIDE};
 use crate::memory::Held;
 
 /// Cells of a patch: bit `k` is the cell `k` places behind its first.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Cells {
     /// Number of the patch: that of its first cell by the number of cells of a patch.
     pub(crate) patch: u32,
@@ -19,8 +17,8 @@ pub(crate) struct Cells {
 
 /// The cells that a ray crosses. A buffer to trace into.
 ///
-/// A patch is eight columns wide, of which the ray (if it is no steeper than a diagonal) crosses at most two patches. The bits of both are put
-/// together at once, so that what remains to be done of a cell of a ray is an eighth of a few operations.
+/// A patch is eight columns wide. In these, a ray that is no steeper than a diagonal crosses two patches at most, and their bits are put together
+/// from one shift per column: little is left to be done cell by cell. Steep rays are those with rows for columns.
 #[derive(Clone, Default)]
 pub(crate) struct Sweep {
     stairs: Staircase,
@@ -44,7 +42,7 @@ impl Sweep {
                 passed = going;
             }
         } else {
-            sweep(self, numbering);
+            sweep(&self.stairs, numbering, &mut self.cells);
             passed = self.stairs.before().last().map_or(0, |before| *before as usize);
         }
         // The column in which the ray ends.
@@ -80,95 +78,112 @@ fn cell(stairs: &Staircase, numbering: &Numbering, main: usize, other: usize) ->
     Cells { patch: number / PATCH as u32, bits: 1 << (number % PATCH as u32) }
 }
 
+/// A block of columns (or of rows of a steep ray) is as wide as a patch.
+const _: () = assert!(Staircase::BLOCK == SIDE && SIDE * SIDE == PATCH && PATCH == 64);
+
 in_lanes! {
-    fn sweep<'a>(sweep: &'a mut Sweep, numbering: &'a Numbering) {
-        sweep_blocks(sweep, numbering);
+    /// All columns but the last.
+    fn sweep<'a>(stairs: &'a Staircase, numbering: &'a Numbering, cells: &'a mut Vec<Cells>) {
+        sweep_blocks(stairs, numbering, cells);
     }
 }
 
 #[inline(always)]
-fn sweep_blocks(Sweep { stairs, cells, .. }: &mut Sweep, numbering: &Numbering) {
-    let columns = Columns::new(stairs);
+fn sweep_blocks(stairs: &Staircase, numbering: &Numbering, cells: &mut Vec<Cells>) {
+    let (steep, main) = (stairs.steep(), usize::from(stairs.steep()));
+    let [start, next] = [stairs.cell(0, 0), stairs.cell(1, 1)];
+    let backward = next[main] < start[main];
+    let (first, towards) = (start[1 - main], next[1 - main].wrapping_sub(start[1 - main]));
+    let mut len = 0;
+    cells.resize(2 * (stairs.crossings()[0] / SIDE + 2), Cells::default());
     for block in stairs.blocks() {
-        let first = columns.first(numbering, block.number);
-        let coming = columns.numbers(numbering, first, block.coming);
-        let going = columns.numbers(numbering, first, block.going);
-        // The ray crosses at most two patches.
-        let (near, far) = (coming[0] / PATCH as u32, going[LANES - 1] / PATCH as u32);
-        let ([a, b], [c, d]) = (bits(&coming, near), bits(&going, near));
-        let crossed = columns.crossed(block.columns);
-        cells.push(Cells { patch: near, bits: (a | c) & crossed });
-        if far != near {
-            cells.push(Cells { patch: far, bits: (b | d) & crossed });
+        let (begin, end) = (block.columns.start, block.columns.end - 1);
+        let row = |crossings: u32| first.wrapping_add(towards.wrapping_mul(crossings as usize));
+        // The ray crosses at most two patches, one above the other: the bits of both.
+        let below = row(block.coming[begin]).min(row(block.going[end])) / SIDE;
+        let place = |column: usize, crossings: u32| {
+            SIDE * (row(crossings) - SIDE * below) + if backward { SIDE - 1 - column } else { column }
+        };
+        let mut bits = 1u128 << place(begin, block.coming[begin]) | 1 << place(end, block.going[end]);
+        // The cells on either side of every grid line between two columns.
+        for column in begin..end {
+            bits |= 3 << (place(column, block.going[column]) - usize::from(backward));
         }
+        // The second is often empty, which is no branch: it is overwritten by the next.
+        let patch = |above: usize, bits: u64| {
+            let corner = [SIDE * block.number, SIDE * (below + above)];
+            let ([column, row], bits) = if steep { ([corner[1], corner[0]], transposed(bits)) } else { (corner, bits) };
+            Cells { patch: numbering.lanes(&[column as u32; LANES], &[row as u32; LANES])[0] / PATCH as u32, bits }
+        };
+        let (here, next) = (patch(0, bits as u64), patch(1, (bits >> PATCH) as u64));
+        (cells[len], cells[len + 1]) = (if here.bits == 0 { next } else { here }, next);
+        len += 1 + usize::from(here.bits != 0 && next.bits != 0);
     }
+    cells.truncate(len);
 }
 
-/// The bits of some cells: of those in a patch, and of those in another.
-#[inline(always)]
-fn bits(numbers: &Lanes<u32>, patch: u32) -> [u64; 2] {
-    let bit = each(|l| 1 << (u64::from(numbers[l]) % PATCH as u64));
-    let here = each(|l| if numbers[l] / PATCH as u32 == patch { bit[l] } else { 0 });
-    let (mut all, mut inside) = (0, 0);
-    for l in 0..LANES {
-        (all, inside) = (all | bit[l], inside | here[l]);
-    }
-    [inside, all & !inside]
-}
-
-/// How the cells of a ray are numbered: columns, or rows of a steep ray, by what each adds to the number of a cell.
-struct Columns {
-    steep: bool,
-    /// What the columns of a block add to the number of its first cell, in the order in which the ray comes to them.
-    inside: Lanes<u32>,
-    /// Row in which the ray starts, and what a crossing adds to it.
-    row: u32,
-    towards: u32,
-}
-
-impl Columns {
-    #[inline(always)]
-    fn new(stairs: &Staircase) -> Self {
-        let steep = stairs.steep();
-        let [column, row] = [0, 1].map(|axis| {
-            let [here, next] = [stairs.cell(0, 0), stairs.cell(1, 1)].map(|cell| cell[axis] as u32);
-            (here, next.wrapping_sub(here))
-        });
-        let ((_, main), (row, towards)) = if steep { (row, column) } else { (column, row) };
-        let step = if steep { SIDE } else { 1 } as u32;
-        let inside = each(|l| step * (if main == 1 { l } else { LANES - 1 - l }) as u32);
-        Self { steep, inside, row, towards }
-    }
-
-    /// Number of the first cell of a block of columns of the grid.
-    #[inline(always)]
-    fn first(&self, numbering: &Numbering, block: usize) -> u32 {
-        let at = block * LANES;
-        if self.steep { numbering.number(0, at) } else { numbering.number(at, 0) }
-    }
-
-    /// Numbers of cells behind so many crossings, one in each column of a block.
-    #[inline(always)]
-    fn numbers(&self, numbering: &Numbering, first: u32, crossings: &Lanes<u32>) -> Lanes<u32> {
-        let row = each(|l| self.row.wrapping_add(crossings[l].wrapping_mul(self.towards)));
-        let none = [0; LANES];
-        let rows = if self.steep { numbering.lanes(&row, &none) } else { numbering.lanes(&none, &row) };
-        each(|l| first + self.inside[l] + rows[l])
-    }
-
-    /// The bits of some columns of a block.
-    #[inline(always)]
-    fn crossed(&self, columns: Range<usize>) -> u64 {
-        if columns.len() == LANES {
-            return u64::MAX;
-        }
-        let column = if self.steep { 0xff } else { 0x0101_0101_0101_0101 };
-        columns.fold(0, |all, l| all | column << self.inside[l])
-    }
+/// A patch with rows for columns: 2 x 2 cells change places, then 2 x 2 squares of them, then 2 x 2 of these.
+fn transposed(bits: u64) -> u64 {
+    let swap = |bits: u64, distance: u32, mask: u64| {
+        let differ = (bits ^ (bits >> distance)) & mask;
+        bits ^ differ ^ (differ << distance)
+    };
+    let bits = swap(bits, 7, 0x00aa_00aa_00aa_00aa);
+    let bits = swap(bits, 14, 0x0000_cccc_0000_cccc);
+    swap(bits, 28, 0x0000_0000_f0f0_f0f0)
 }
 
 impl Held for Sweep {
     fn held(&self) -> usize {
         self.cells.held() + self.stairs.held()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use grid::{DigitalLine, GridSpec};
+    use proptest::prelude::*;
+    use std::collections::BTreeSet;
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
+
+        /// The cells of the digital line, also along grid lines and diagonals, from corners, and beyond the border.
+        #[test]
+        fn it_is_a_digital_line(
+            width in 1usize..70, height in 1usize..70, at in prop::array::uniform2((0.0f64..1.0, any::<bool>())), kind in 0usize..4,
+            angle in -4.0f64..4.0, until in prop_oneof![0.0f64..5.0, Just(0.0), Just(f64::INFINITY)],
+        ) {
+            let spec = GridSpec { cell_m: 0.05, origin_m: [-0.3, 7.0], width, height };
+            let numbering = Numbering::new(spec);
+            let origin_m = [0, 1].map(|k| {
+                let cells = at[k].0 * [width, height][k] as f64;
+                spec.origin_m[k] + 0.05 * if at[k].1 { cells.floor() } else { cells }
+            });
+            let eighth = std::f64::consts::FRAC_PI_4;
+            let angle = if kind == 0 { (angle / eighth).round() * eighth } else if kind == 1 { (angle / eighth).round() * eighth + 1e-4 } else { angle };
+            let ray = Ray { origin_m, direction: [angle.cos(), angle.sin()], bearing_rad: 0.0, reading: None };
+            let mut line = DigitalLine::default();
+            line.trace(&spec, origin_m, ray.direction, until);
+            let mut sweep = Sweep::default();
+            sweep.trace(&numbering, &ray, until);
+            prop_assert_eq!(sweep.len(), line.len());
+            let numbers = |cells: &[Cells]| -> BTreeSet<u32> {
+                let of = |cells: &Cells| (0..64).filter(|k| cells.bits >> k & 1 == 1).map(|k| 64 * cells.patch + k).collect::<Vec<_>>();
+                cells.iter().flat_map(of).collect()
+            };
+            let Some((last, before)) = line.cells().split_last() else { return Ok(()) };
+            let expected: BTreeSet<u32> = before.iter().map(|cell| numbering.of(*cell)).collect();
+            prop_assert_eq!(numbers(sweep.before_last()), expected);
+            prop_assert_eq!(numbers(&[sweep.last().expect("a ray")]), BTreeSet::from([numbering.of(*last)]));
+            prop_assert_eq!(Some(&sweep.end_m()), line.ranges().last());
+        }
+
+        #[test]
+        fn transposed_twice_is_as_before(bits: u64, row in 0u32..8, column in 0u32..8) {
+            prop_assert_eq!(transposed(transposed(bits)), bits);
+            prop_assert_eq!(transposed(1 << (8 * row + column)), 1 << (8 * column + row));
+        }
     }
 }

@@ -37,7 +37,7 @@ fn fill_eight(stereo: &Stereo, cosine: f64, [low, high]: [f64; 2], ranges: &[f64
         let mean = each(|l| ((high_far[l] - high_near[l]) - (low_far[l] - low_near[l])) / span[l]);
         let mean = each(|l| if mean[l] < 0.0 { 0.0 } else { mean[l] });
         let mean = each(|l| if mean[l] > 1.0 { 1.0 } else { mean[l] });
-        bins.copy_from_slice(&mean[..=last]);
+        bins.iter_mut().zip(mean).for_each(|(bin, mean)| *bin = mean);
         let special = each(|l| if span[l] >= 1e-3 && span[l] < f64::INFINITY { 0.0 } else { 1.0 });
         if special[..=last].iter().sum::<f64>() > 0.0 {
             for (l, bin) in bins.iter_mut().enumerate().filter(|(l, _)| special[*l] > 0.0) {
