@@ -1,21 +1,22 @@
 //! A set of the cells of a map.
 
-use std::ops::Range;
-
 use crate::memory::Held;
 
 /// A set of cells, a bit to each, that gives them in the order of their indices.
 #[derive(Debug, Clone)]
 pub(crate) struct CellSet {
     bits: Vec<u64>,
-    /// The words that may have a bit.
-    words: Range<usize>,
+    /// The first and the last word that may have a bit, the first behind the last where there is none.
+    words: [usize; 2],
 }
+
+/// No word.
+const NONE: [usize; 2] = [usize::MAX, 0];
 
 impl CellSet {
     /// No cell of a map of so many.
     pub(crate) fn new(cells: usize) -> Self {
-        Self { bits: vec![0; cells.div_ceil(64)], words: usize::MAX..0 }
+        Self { bits: vec![0; cells.div_ceil(64)], words: NONE }
     }
 
     /// Takes in a cell.
@@ -23,18 +24,18 @@ impl CellSet {
     pub(crate) fn insert(&mut self, cell: usize) {
         let word = cell / 64;
         self.bits[word] |= 1 << (cell % 64);
-        self.words = self.words.start.min(word)..self.words.end.max(word + 1);
+        self.words = [self.words[0].min(word), self.words[1].max(word)];
     }
 
     /// The cells.
     pub(crate) fn iter(&self) -> impl Iterator<Item = usize> + use<'_> {
-        self.words.clone().flat_map(|word| Bits { word, left: self.bits[word] })
+        (self.words[0]..=self.words[1]).flat_map(|word| Bits { word, left: self.bits[word] })
     }
 
     /// The cells, which it holds no longer.
     pub(crate) fn drain(&mut self) -> impl Iterator<Item = usize> + use<'_> {
-        let (bits, words) = (&mut self.bits, std::mem::replace(&mut self.words, usize::MAX..0));
-        words.flat_map(|word| Bits { word, left: std::mem::take(&mut bits[word]) })
+        let (bits, [first, last]) = (&mut self.bits, std::mem::replace(&mut self.words, NONE));
+        (first..=last).flat_map(|word| Bits { word, left: std::mem::take(&mut bits[word]) })
     }
 }
 

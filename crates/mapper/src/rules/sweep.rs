@@ -99,27 +99,49 @@ fn sweep_blocks(stairs: &Staircase, numbering: &Numbering, cells: &mut Vec<Cells
     for block in stairs.blocks() {
         let (begin, end) = (block.columns.start, block.columns.end - 1);
         let row = |crossings: u32| first.wrapping_add(towards.wrapping_mul(crossings as usize));
-        // The ray crosses at most two patches, one above the other: the bits of both.
+        // The ray crosses at most two patches, one above the other.
         let below = row(block.coming[begin]).min(row(block.going[end])) / SIDE;
+        let from = row(0).wrapping_sub(SIDE * below);
         let place = |column: usize, crossings: u32| {
-            SIDE * (row(crossings) - SIDE * below) + if backward { SIDE - 1 - column } else { column }
+            let row = from.wrapping_add(towards.wrapping_mul(crossings as usize));
+            row.wrapping_mul(SIDE) | if backward { SIDE - 1 - column } else { column }
         };
-        let mut bits = 1u128 << place(begin, block.coming[begin]) | 1 << place(end, block.going[end]);
+        // Bits of both, of which no two are the same, and those of the one above.
+        let (mut both, mut above) = (0u64, 0u64);
+        let mut add = |cells: u64, place: usize| {
+            let bits = cells << (place % PATCH);
+            both |= bits;
+            above |= if place & PATCH == 0 { 0 } else { bits };
+        };
+        add(1, place(0, block.coming[0]));
+        add(1, place(SIDE - 1, block.going[SIDE - 1]));
         // The cells on either side of every grid line between two columns.
-        for column in begin..end {
-            bits |= 3 << (place(column, block.going[column]) - usize::from(backward));
+        for column in 0..SIDE - 1 {
+            add(0b11, place(column + usize::from(backward), block.going[column]));
         }
+        let crossed = crossed(block.columns, backward);
+        (both, above) = (both & crossed, above & crossed);
         // The second is often empty, which is no branch: it is overwritten by the next.
         let patch = |above: usize, bits: u64| {
             let corner = [SIDE * block.number, SIDE * (below + above)];
             let ([column, row], bits) = if steep { ([corner[1], corner[0]], transposed(bits)) } else { (corner, bits) };
             Cells { patch: numbering.lanes(&[column as u32; LANES], &[row as u32; LANES])[0] / PATCH as u32, bits }
         };
-        let (here, next) = (patch(0, bits as u64), patch(1, (bits >> PATCH) as u64));
+        let (here, next) = (patch(0, both & !above), patch(1, above));
         (cells[len], cells[len + 1]) = (if here.bits == 0 { next } else { here }, next);
         len += 1 + usize::from(here.bits != 0 && next.bits != 0);
     }
     cells.truncate(len);
+}
+
+/// The bits of some columns of a patch, in the order in which a ray comes to them.
+#[inline(always)]
+fn crossed(columns: std::ops::Range<usize>, backward: bool) -> u64 {
+    if columns.len() == SIDE {
+        return u64::MAX;
+    }
+    let inside = |column: usize| if backward { SIDE - 1 - column } else { column };
+    columns.fold(0, |all, column| all | 0x0101_0101_0101_0101 << inside(column))
 }
 
 /// A patch with rows for columns: 2 x 2 cells change places, then 2 x 2 squares of them, then 2 x 2 of these.
