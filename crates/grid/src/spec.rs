@@ -99,7 +99,15 @@ impl GridSpec {
 
     /// Centre of a cell, m.
     pub fn centre(&self, index: usize) -> [f64; 2] {
-        self.corner(index).map(|c| c + 0.5 * self.cell_m)
+        let (column, row) = self.column_row(index);
+        self.centre_at(column, row)
+    }
+
+    /// Centre of the cell at (`column`, `row`), m.
+    #[inline]
+    pub fn centre_at(&self, column: usize, row: usize) -> [f64; 2] {
+        let corner = [self.origin_m[0] + column as f64 * self.cell_m, self.origin_m[1] + row as f64 * self.cell_m];
+        corner.map(|c| c + 0.5 * self.cell_m)
     }
 
     /// The cell that holds `point` (m), if the grid does. A point on a grid line belongs to the
