@@ -1,8 +1,8 @@
 //! The cells of a ray as sets of bits, one for every patch that it crosses.
 
 use grid::Staircase;
+use sensor::Ray;
 use sensor::lanes::LANES;
-use sensor::{Ray, in_lanes};
 
 use crate::fast::tiles::{Numbering, PATCH, SIDE};
 use crate::memory::Held;
@@ -81,15 +81,8 @@ fn cell(stairs: &Staircase, numbering: &Numbering, main: usize, other: usize) ->
 /// A block of columns (or of rows of a steep ray) is as wide as a patch.
 const _: () = assert!(Staircase::BLOCK == SIDE && SIDE * SIDE == PATCH && PATCH == 64);
 
-in_lanes! {
-    /// All columns but the last.
-    fn sweep<'a>(stairs: &'a Staircase, numbering: &'a Numbering, cells: &'a mut Vec<Cells>) {
-        sweep_blocks(stairs, numbering, cells);
-    }
-}
-
-#[inline(always)]
-fn sweep_blocks(stairs: &Staircase, numbering: &Numbering, cells: &mut Vec<Cells>) {
+/// All columns but the last.
+fn sweep(stairs: &Staircase, numbering: &Numbering, cells: &mut Vec<Cells>) {
     let (steep, main) = (stairs.steep(), usize::from(stairs.steep()));
     let [start, next] = [stairs.cell(0, 0), stairs.cell(1, 1)];
     let backward = next[main] < start[main];
