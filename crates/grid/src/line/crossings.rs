@@ -1,7 +1,9 @@
 //! One coordinate of a ray: the grid lines that it crosses, and where.
 
-use super::staircase::Staircase;
 use crate::GridSpec;
+
+/// Columns, or rows, are taken in blocks of so many.
+pub(super) const BLOCK: usize = 8;
 
 /// The grid lines of one direction that a ray crosses, numbered from 0, nearest first, up to that in which the grid ends.
 #[derive(Debug, Clone, Copy)]
@@ -80,14 +82,14 @@ impl Crossings {
 
     /// Columns (or rows) of the block of the start that the ray does not come to, on its side.
     pub(super) fn in_block(&self) -> usize {
-        let at = self.start % Staircase::BLOCK;
-        if self.forward { at } else { Staircase::BLOCK - 1 - at }
+        let at = self.start % BLOCK;
+        if self.forward { at } else { BLOCK - 1 - at }
     }
 
     /// The block of columns to which the ray comes after so many others.
     #[inline(always)]
     pub(super) fn block(&self, blocks: usize) -> usize {
-        let start = self.start / Staircase::BLOCK;
+        let start = self.start / BLOCK;
         if self.forward { start + blocks } else { start.wrapping_sub(blocks) }
     }
 

@@ -1,6 +1,6 @@
 //! A ray as a staircase: how far the one coordinate has come at every grid line of the other.
 
-use super::crossings::Crossings;
+use super::crossings::{BLOCK, Crossings};
 use crate::GridSpec;
 
 /// A ray over the cells of a grid. Of its two axes, the main one is that of which it crosses more grid lines; between two of them it
@@ -27,12 +27,9 @@ pub struct Staircase {
     before: Vec<u32>,
 }
 
-/// So many columns (of a steep ray, rows) at a time.
-const BLOCK: usize = Staircase::BLOCK;
-
 impl Staircase {
     /// Columns, or rows, are taken in blocks of so many, from the border of the grid on.
-    pub const BLOCK: usize = 8;
+    pub const BLOCK: usize = BLOCK;
 
     /// Traces the ray from `origin` (m) along the unit vector `direction` to `max_range` (m) or the border of the grid,
     /// whichever comes first; pass infinity for the border. False where the origin lies outside the grid.
