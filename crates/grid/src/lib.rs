@@ -24,6 +24,6 @@ mod spec;
 pub use clearance::{ROUNDING, clear, disc_reach};
 pub use frame::{CellsToCells, Frame};
 pub use lattice::{Lattice, StepCosts, UNREACHED};
-pub use line::DigitalLine;
+pub use line::{Block, DigitalLine, Staircase};
 pub use raster::{NoMemory, Raster};
-pub use spec::{GridError, GridSpec};
+pub use spec::{GridError, GridSpec, Neighbour};

@@ -1,16 +1,24 @@
 //! Viewing rays as 4-connected digital lines (Figure 2 of the paper).
 
+mod crossings;
+mod staircase;
+
 use crate::GridSpec;
+pub use staircase::{Block, Staircase};
 
 /// The cells that a ray crosses, nearest first, and where it enters and leaves each.
 ///
 /// Consecutive cells share a side. A ray that passes exactly through a corner goes by the cell to
 /// the side in x, which then has a chord of length zero. A line is a buffer to trace into, so that
 /// a scan needs no allocation per ray.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default)]
 pub struct DigitalLine {
+    stairs: Staircase,
+    /// Buffers are as long as the longest line so far.
     cells: Vec<usize>,
     ranges: Vec<f64>,
+    /// Ranges (m) of the crossings of the axis of which there are fewer, and of one more.
+    others_m: Vec<f64>,
 }
 
 impl DigitalLine {
@@ -19,97 +27,87 @@ impl DigitalLine {
     ///
     /// The line is empty where the origin lies outside the grid.
     pub fn trace(&mut self, spec: &GridSpec, origin: [f64; 2], direction: [f64; 2], max_range: f64) {
-        debug_assert!((direction[0].hypot(direction[1]) - 1.0).abs() < 1e-9, "{direction:?} is no unit vector");
-        self.cells.clear();
-        self.ranges.clear();
-        self.ranges.push(0.0);
-        let Some(start) = spec.locate(origin) else { return };
-        let (column, row) = spec.column_row(start);
-        let mut x = Axis::new(origin[0], direction[0], spec.origin_m[0], spec.cell_m, column, spec.width);
-        let mut y = Axis::new(origin[1], direction[1], spec.origin_m[1], spec.cell_m, row, spec.height);
-        let mut entered = 0.0;
-        loop {
-            self.cells.push(spec.index(x.at, y.at));
-            let (next, axis) = if x.next <= y.next { (x.next, &mut x) } else { (y.next, &mut y) };
-            // Rounding can put a crossing a hair before the one that precedes it.
-            entered = next.max(entered).min(max_range);
-            self.ranges.push(entered);
-            if entered >= max_range || !axis.step() {
-                return;
-            }
+        if !self.stairs.trace(spec, origin, direction, max_range) {
+            return;
         }
+        let cells = self.stairs.cells();
+        if self.cells.len() < cells {
+            self.cells.resize(cells, 0);
+            self.ranges.resize(cells + 1, 0.0);
+            self.others_m.resize(cells, 0.0);
+        }
+        self.merge(spec);
+    }
+
+    /// Puts the crossings of both axes in order.
+    fn merge(&mut self, spec: &GridSpec) {
+        let Some([(_, mains), (other, others)]) = self.stairs.axes() else { return };
+        let others_m = &mut self.others_m[..=others];
+        for (k, range_m) in others_m.iter_mut().enumerate() {
+            *range_m = ahead(other.range_m(k as f64));
+        }
+        // What a crossing of either axis adds to the index of a cell.
+        let [start, along, across] = [[0, 0], [1, 0], [0, 1]].map(|[main, other]| {
+            let [column, row] = self.stairs.cell(main, other);
+            column.wrapping_add(row.wrapping_mul(spec.width))
+        });
+        let (along, across) = (along.wrapping_sub(start), across.wrapping_sub(start));
+        let (cells, ranges) = (&mut self.cells[..=mains + others], &mut self.ranges[..=mains + others + 1]);
+        let (mut place, mut passed) = (start, 0);
+        (cells[0], ranges[0]) = (place, 0.0);
+        for (k, (&before, &range_m)) in self.stairs.before().iter().zip(self.stairs.ranges_m()).enumerate() {
+            let before = (before as usize).min(others);
+            // There is none or one of the other axis in between, and no branch on which. Rounding can make it two.
+            let at = k + passed + 1;
+            (cells[at], ranges[at]) = (place.wrapping_add(across), others_m[passed]);
+            for second in passed + 1..before {
+                let crossings = across.wrapping_mul(second + 1 - passed);
+                (cells[k + second + 1], ranges[k + second + 1]) = (place.wrapping_add(crossings), others_m[second]);
+            }
+            place = place.wrapping_add(across.wrapping_mul(before - passed)).wrapping_add(along);
+            passed = before;
+            let at = k + passed + 1;
+            (cells[at], ranges[at]) = (place, ahead(range_m));
+        }
+        for last in passed..others {
+            place = place.wrapping_add(across);
+            (cells[mains + last + 1], ranges[mains + last + 1]) = (place, others_m[last]);
+        }
+        ranges[mains + others + 1] = self.stairs.end_m();
     }
 
     /// Indices of the cells, nearest first.
     pub fn cells(&self) -> &[usize] {
-        &self.cells
+        &self.cells[..self.len()]
     }
 
     /// Ranges (m) at which the ray crosses from cell to cell: cell `k` is entered at `ranges()[k]`
     /// and left at `ranges()[k + 1]`. One longer than [`cells`](Self::cells), never decreasing.
     pub fn ranges(&self) -> &[f64] {
-        &self.ranges
+        if self.is_empty() { &[0.0] } else { &self.ranges[..=self.len()] }
     }
 
     /// Number of cells.
     pub fn len(&self) -> usize {
-        self.cells.len()
+        self.stairs.cells()
     }
 
     /// Whether the ray crosses no cell.
     pub fn is_empty(&self) -> bool {
-        self.cells.is_empty()
+        self.len() == 0
     }
 }
 
-/// One coordinate of the walk: the current column (or row) and the range of the next grid line.
-struct Axis {
-    at: usize,
-    limit: usize,
-    forward: bool,
-    next: f64,
-    origin: f64,
-    inverse: f64,
-    grid_origin: f64,
-    cell_m: f64,
+impl PartialEq for DigitalLine {
+    fn eq(&self, other: &Self) -> bool {
+        self.cells() == other.cells() && self.ranges() == other.ranges()
+    }
 }
 
-impl Axis {
-    fn new(origin: f64, direction: f64, grid_origin: f64, cell_m: f64, at: usize, limit: usize) -> Self {
-        let mut axis = Self {
-            at,
-            limit,
-            forward: direction > 0.0,
-            next: f64::INFINITY,
-            origin,
-            inverse: if direction == 0.0 { f64::INFINITY } else { 1.0 / direction },
-            grid_origin,
-            cell_m,
-        };
-        axis.look_ahead();
-        axis
-    }
-
-    /// Computed from the line's number, not by adding up steps: errors do not grow with range.
-    fn look_ahead(&mut self) {
-        if self.inverse.is_finite() {
-            let line = self.grid_origin + (self.at + usize::from(self.forward)) as f64 * self.cell_m;
-            self.next = (line - self.origin) * self.inverse;
-        }
-    }
-
-    /// Moves to the next cell along this axis; false at the border of the grid.
-    fn step(&mut self) -> bool {
-        if self.forward && self.at + 1 < self.limit {
-            self.at += 1;
-        } else if !self.forward && self.at > 0 {
-            self.at -= 1;
-        } else {
-            return false;
-        }
-        self.look_ahead();
-        true
-    }
+/// A range that rounding has not put a hair before the origin.
+#[inline(always)]
+fn ahead(range_m: f64) -> f64 {
+    if range_m > 0.0 { range_m } else { 0.0 }
 }
 
 #[cfg(test)]
@@ -181,6 +179,77 @@ mod tests {
         let mut line = DigitalLine::default();
         line.trace(&one, [0.25, 0.5], [0.0, -1.0], f64::INFINITY);
         assert_eq!((line.cells(), line.ranges()), (&[0][..], &[0.0, 0.5][..]));
+    }
+
+    /// The walk from cell to cell, one crossing after the other.
+    fn walk(spec: &GridSpec, origin: [f64; 2], direction: [f64; 2], max_range: f64) -> (Vec<usize>, Vec<f64>) {
+        let (mut cells, mut ranges) = (Vec::new(), vec![0.0]);
+        let Some(start) = spec.locate(origin) else { return (cells, ranges) };
+        let (column, row) = spec.column_row(start);
+        let (mut at, limits) = ([column, row], [spec.width, spec.height]);
+        loop {
+            cells.push(spec.index(at[0], at[1]));
+            let next = [0, 1].map(|k| {
+                let line = spec.origin_m[k] + (at[k] + usize::from(direction[k] > 0.0)) as f64 * spec.cell_m;
+                let inverse = 1.0 / direction[k];
+                if inverse.is_finite() { (line - origin[k]) * inverse } else { f64::INFINITY }
+            });
+            let axis = usize::from(next[0] > next[1]);
+            let entered = next[axis].max(*ranges.last().expect("one from the start")).min(max_range);
+            ranges.push(entered);
+            let last = if direction[axis] > 0.0 { limits[axis] - 1 } else { 0 };
+            if entered >= max_range || at[axis] == last {
+                return (cells, ranges);
+            }
+            at[axis] = if direction[axis] > 0.0 { at[axis] + 1 } else { at[axis] - 1 };
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
+
+        /// To the bit: also from corners and grid lines, along them, along diagonals and next to all of these, to ranges that end
+        /// on a grid line, in grids far from the origin.
+        #[test]
+        fn it_is_the_walk_from_cell_to_cell(
+            width in 1usize..60, height in 1usize..60, at in prop::array::uniform2((0.0f64..1.0, 0usize..3)),
+            kind in 0usize..7, angle in -7.0f64..7.0, tilt in prop::sample::select(vec![0.0, 1e-17, -1e-16, 1e-15, -1e-12, 1e-300, 1e-9]),
+            until in 0usize..4, reach in 0.0f64..6.0, far in prop::sample::select(vec![0.0, -0.5, 1e3, 4.7e5, -3e7]),
+            cell_m in prop::sample::select(vec![0.05, 0.1, 0.25, 0.013]),
+        ) {
+            let spec = GridSpec { cell_m, origin_m: [far, 1.0 - far], width, height };
+            let size = [width, height];
+            let origin = [0, 1].map(|k| {
+                let (share, snap) = at[k];
+                let cells = share * size[k] as f64;
+                let cells = if snap == 1 { cells.floor() } else if snap == 2 { cells.floor() + 0.5 } else { cells };
+                spec.origin_m[k] + cells * cell_m
+            });
+            let quarter = angle.abs() as usize % 4;
+            let h = std::f64::consts::FRAC_1_SQRT_2;
+            let mut direction = match kind {
+                0 => [[1.0, tilt], [tilt, 1.0], [-1.0, tilt], [tilt, -1.0]][quarter],
+                1 => [[h, h], [-h, h], [h, -h], [-h, -h]][quarter],
+                2 => [[h, h + tilt], [-h, h], [h - tilt, -h], [-h, -h]][quarter],
+                3 => [[0.6, 0.8], [-0.8, 0.6], [0.8, -0.6], [-0.6, -0.8]][quarter],
+                _ => [angle.cos(), angle.sin()],
+            };
+            if kind == 4 {
+                direction = [angle.sin(), angle.cos()];
+            }
+            let until = match until {
+                0 => f64::INFINITY,
+                1 => (reach / cell_m).floor() * cell_m,
+                2 => reach * 1e-3,
+                _ => reach,
+            };
+            let (cells, ranges) = walk(&spec, origin, direction, until);
+            let mut line = DigitalLine::default();
+            line.trace(&SPEC, [0.0, 1.5], [0.6, 0.8], f64::INFINITY); // something before
+            line.trace(&spec, origin, direction, until);
+            prop_assert_eq!(line.cells(), &cells[..]);
+            prop_assert_eq!(line.ranges(), &ranges[..]);
+        }
     }
 
     proptest! {

@@ -99,7 +99,15 @@ impl GridSpec {
 
     /// Centre of a cell, m.
     pub fn centre(&self, index: usize) -> [f64; 2] {
-        self.corner(index).map(|c| c + 0.5 * self.cell_m)
+        let (column, row) = self.column_row(index);
+        self.centre_at(column, row)
+    }
+
+    /// Centre of the cell at (`column`, `row`), m.
+    #[inline]
+    pub fn centre_at(&self, column: usize, row: usize) -> [f64; 2] {
+        let corner = [self.origin_m[0] + column as f64 * self.cell_m, self.origin_m[1] + row as f64 * self.cell_m];
+        corner.map(|c| c + 0.5 * self.cell_m)
     }
 
     /// The cell that holds `point` (m), if the grid does. A point on a grid line belongs to the
@@ -123,15 +131,20 @@ impl GridSpec {
     /// The neighbours of a cell with the edges to them: right, up, left, down, where they exist.
     pub fn neighbours(&self, index: usize) -> impl Iterator<Item = Neighbour> + use<> {
         let (column, row) = self.column_row(index);
+        self.neighbours_at(column, row).into_iter().flatten()
+    }
+
+    /// The same of the cell at (`column`, `row`).
+    #[inline(always)]
+    pub fn neighbours_at(&self, column: usize, row: usize) -> [Option<Neighbour>; 4] {
         let Self { width, height, .. } = *self;
+        let index = self.index(column, row);
         [
             (column + 1 < width).then(|| Neighbour { cell: index + 1, edge: 2 * index }),
             (row + 1 < height).then(|| Neighbour { cell: index + width, edge: 2 * index + 1 }),
             (column > 0).then(|| Neighbour { cell: index - 1, edge: 2 * (index - 1) }),
             (row > 0).then(|| Neighbour { cell: index - width, edge: 2 * (index - width) + 1 }),
         ]
-        .into_iter()
-        .flatten()
     }
 }
 

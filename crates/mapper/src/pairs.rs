@@ -1,5 +1,6 @@
 //! The pairwise occupancy grid, and how the posteriors of a scan's rays become one map: Eqs. (11)-(20).
 
+pub(crate) mod cell_set;
 pub mod footprint;
 pub(crate) mod grid;
 pub(crate) mod joint;

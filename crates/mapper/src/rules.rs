@@ -12,6 +12,7 @@ pub(crate) mod odds_map;
 pub(crate) mod range_cut;
 pub(crate) mod readings;
 pub(crate) mod signed_distance;
+pub(crate) mod sweep;
 pub(crate) mod unseen;
 pub(crate) mod visibility;
 pub(crate) mod wedge;

@@ -1,5 +1,7 @@
 //! What rules that look at one cell at a time ask of a sensor.
 
+use std::ops::Range;
+
 use crate::Kernel;
 
 /// Where a chord lies with respect to a reading, for rules that look at one cell at a time.
@@ -33,7 +35,8 @@ pub trait InverseModel: Kernel {
         0.5 * cell_m
     }
 
-    /// Where the chord `enter ..= exit` lies with respect to `reading` +- `half_width`. Behind a reading without a range, if
+    /// Where the chord `enter ..= exit` lies with respect to `reading` +- `half_width`. Along a ray, chords are nearer, then within, then
+    /// behind. Behind a reading without a range, if
     /// the sensor does not know better.
     fn placement(&self, reading: f64, half_width: f64, _bearing: f64, enter: f64, exit: f64) -> Placement {
         if reading.is_finite() && exit < reading - half_width {
@@ -64,6 +67,24 @@ pub trait InverseModel: Kernel {
         };
         let false_matches = (1.0 - self.correct_match()) * self.false_match_probability(reading, half_width);
         if self.correct_match() > 0.0 { ((all - false_matches) / self.correct_match()).clamp(0.0, 1.0) } else { 0.0 }
+    }
+
+    /// [`bin_probability`](Self::bin_probability) of every chord `ranges[k] ..= ranges[k + 1]` of a ray that does not lie behind the reading,
+    /// to the bit, into `bins`; and which chords lie [`Within`](Placement::Within): those before them are nearer, those after them behind. For
+    /// sensors that can share work between the chords of a ray.
+    ///
+    /// `ranges` never decreases and is one longer than `bins`; what is in `bins` of chords behind the reading means nothing.
+    fn bins(&self, reading: f64, half_width: f64, bearing: f64, ranges: &[f64], bins: &mut [f64]) -> Range<usize> {
+        let mut nearer = 0;
+        for (k, (bin, chord)) in bins.iter_mut().zip(ranges.windows(2)).enumerate() {
+            match self.placement(reading, half_width, bearing, chord[0], chord[1]) {
+                Placement::Nearer => nearer = k + 1,
+                Placement::Within => {}
+                Placement::Behind => return nearer..k,
+            }
+            *bin = self.bin_probability(reading, half_width, bearing, chord[0], chord[1]);
+        }
+        nearer..bins.len()
     }
 
     /// Probability that a false match falls into the bin `reading` +- `half_width`:
@@ -102,6 +123,51 @@ mod tests {
     }
 
     impl<S: Kernel> InverseModel for Bare<S> {}
+
+    /// A sensor that says of every chord what another does, one by one.
+    struct OneByOne<S>(S);
+
+    impl<S: Kernel> Kernel for OneByOne<S> {
+        fn likelihood(&self, reading: f64, bearing: f64, ranges: &[f64], likelihood: &mut [f64]) {
+            self.0.likelihood(reading, bearing, ranges, likelihood);
+        }
+    }
+
+    impl<S: InverseModel> InverseModel for OneByOne<S> {
+        fn placement(&self, reading: f64, half_width: f64, bearing: f64, enter: f64, exit: f64) -> Placement {
+            self.0.placement(reading, half_width, bearing, enter, exit)
+        }
+
+        fn bin_probability(&self, reading: f64, half_width: f64, bearing: f64, enter: f64, exit: f64) -> f64 {
+            self.0.bin_probability(reading, half_width, bearing, enter, exit)
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 1000, failure_persistence: None, ..ProptestConfig::default() })]
+
+        /// To the bit: readings at the sensor, beyond all cells, without range; bearings behind the camera; chords of no length.
+        #[test]
+        fn bins_of_a_ray_are_those_of_its_chords(
+            reading in prop_oneof![4 => 0.0f64..70.0, 4 => 0.0f64..4.0, 1 => Just(0.0), 1 => Just(f64::INFINITY)],
+            half_width in prop_oneof![0.01f64..1.0, Just(0.5)], sigma in 0.02f64..1.0,
+            bearing in prop_oneof![8 => -1.5f64..1.5, 1 => 1.5f64..4.0, 1 => Just(std::f64::consts::FRAC_PI_2)],
+            chords in prop::collection::vec(prop_oneof![8 => 0.0f64..0.08, 1 => Just(0.0), 1 => 0.0f64..1e-9, 1 => 0.1f64..2.0], 0..200), max_range_m in 1.0f64..10.0,
+        ) {
+            let ranges = chords.iter().scan(0.0, |range, chord| { *range += chord; Some(*range) });
+            let ranges: Vec<f64> = std::iter::once(0.0).chain(ranges).collect();
+            let stereo = Stereo { disparity_sigma: sigma, ..Stereo::default() };
+            let laser = Laser { range_sigma_m: 0.3 * sigma, max_range_m, ..Laser::default() };
+            let sensors: [(&dyn InverseModel, &dyn InverseModel); 2] = [(&stereo, &OneByOne(stereo)), (&laser, &OneByOne(laser))];
+            for (sensor, one_by_one) in sensors {
+                let [mut bins, mut expected] = [vec![f64::NAN; chords.len()], vec![f64::NAN; chords.len()]];
+                let within = sensor.bins(reading, half_width, bearing, &ranges, &mut bins);
+                prop_assert_eq!(&within, &one_by_one.bins(reading, half_width, bearing, &ranges, &mut expected));
+                let bits = |bins: &[f64]| bins[..within.end].iter().map(|bin| bin.to_bits()).collect::<Vec<_>>();
+                prop_assert_eq!(bits(&bins), bits(&expected));
+            }
+        }
+    }
 
     proptest! {
         /// The closed forms of both sensors, where every reading is a correct match.

@@ -10,6 +10,8 @@ mod sample;
 #[cfg(test)]
 mod tests;
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use crate::lanes::{Beams, LANES, Lanes};
@@ -84,6 +86,23 @@ impl Laser {
             normal::mean_cumulative(near, far, normal::REACH)
         };
         beyond(enter, exit) + beyond(-exit, -enter)
+    }
+}
+
+/// That a reading lies beyond `at_m`, for one chord of a ray after the other: a surface appears beyond it and nothing stands before it.
+struct Beyond {
+    at_m: f64,
+    passes: f64,
+    surface: normal::MeanCumulative,
+    mirrored: normal::MeanCumulative,
+}
+
+impl Beyond {
+    fn probability(&mut self, laser: &Laser, enter: f64, exit: f64) -> f64 {
+        let sigmas = |range: f64| (range - self.at_m) / laser.range_sigma_m;
+        let surface = self.surface.over(sigmas(enter), sigmas(exit), normal::REACH);
+        let mirrored = self.mirrored.over(sigmas(-exit), sigmas(-enter), normal::REACH);
+        self.passes * (surface + mirrored)
     }
 }
 
@@ -163,6 +182,41 @@ impl InverseModel for Laser {
             return beyond(self.max_range_m);
         }
         (beyond((reading - half_width).max(0.0)) - beyond((reading + half_width).max(0.0))).clamp(0.0, 1.0)
+    }
+
+    /// Where the bin is clear, and where chords lie behind it, nothing need be known of them.
+    fn bins(&self, reading: f64, half_width: f64, bearing: f64, ranges: &[f64], bins: &mut [f64]) -> Range<usize> {
+        let place = |chord: usize| self.placement(reading, half_width, bearing, ranges[chord], ranges[chord + 1]);
+        let clear_m = self.clear_until(reading, half_width, bearing);
+        let clear = if clear_m > 0.0 { ranges[1..].partition_point(|exit| *exit <= clear_m) } else { 0 };
+        bins[..clear].fill(0.0);
+        let ends_m = if reading.is_infinite() {
+            [self.max_range_m; 2]
+        } else {
+            [reading - half_width, reading + half_width].map(|m| m.max(0.0))
+        };
+        let mut beyond = ends_m.map(|at_m| Beyond {
+            at_m,
+            passes: self.passes(at_m),
+            surface: normal::MeanCumulative::new(),
+            mirrored: normal::MeanCumulative::new(),
+        });
+        let mut nearer = clear;
+        for k in clear..bins.len() {
+            match place(k) {
+                Placement::Nearer => nearer = k + 1,
+                Placement::Within => {}
+                Placement::Behind => return nearer..k,
+            }
+            let [first, second] = &mut beyond;
+            let near = first.probability(self, ranges[k], ranges[k + 1]);
+            bins[k] = if reading.is_infinite() {
+                near
+            } else {
+                (near - second.probability(self, ranges[k], ranges[k + 1])).clamp(0.0, 1.0)
+            };
+        }
+        nearer..bins.len()
     }
 
     /// Where no surface appears in the bin any more, and a little before.

@@ -3,6 +3,8 @@
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 use std::sync::LazyLock;
 
+use crate::lanes::{LANES, Lanes, each};
+
 /// Beyond this many standard deviations the density is below 1e-15 and counts as nothing, beside anything else.
 pub(crate) const REACH: f64 = 8.5;
 
@@ -55,6 +57,11 @@ pub(crate) fn mean_density(low: f64, high: f64, reach: f64) -> f64 {
 /// short, the series about its middle, which leaves out terms of order `width^4 / 1920`. Never below 0, where nothing but
 /// rounding is left.
 pub(crate) fn mean_cumulative(low: f64, high: f64, reach: f64) -> f64 {
+    mean_cumulative_by(&mut exact_integral, low, high, reach)
+}
+
+/// The same by whoever knows the exact integral.
+fn mean_cumulative_by(integral: &mut impl FnMut(f64) -> f64, low: f64, high: f64, reach: f64) -> f64 {
     const SHORT: f64 = 1e-3;
     let width = high - low;
     if high < -reach {
@@ -62,10 +69,35 @@ pub(crate) fn mean_cumulative(low: f64, high: f64, reach: f64) -> f64 {
     } else if low > reach || width == f64::INFINITY {
         1.0
     } else if width >= SHORT {
-        ((exact_integral(high) - exact_integral(low)) / width).clamp(0.0, 1.0)
+        ((integral(high) - integral(low)) / width).clamp(0.0, 1.0)
     } else {
         let middle = 0.5 * (low + high);
         (exact_cumulative(middle) - width * width * middle * density(middle) / 24.0).clamp(0.0, 1.0)
+    }
+}
+
+/// [`mean_cumulative`] over one interval after the other, the first of which ends where the next begins: integrals are kept to there.
+pub(crate) struct MeanCumulative {
+    /// Where, and the integral; the last two.
+    kept: [(f64, f64); 2],
+}
+
+impl MeanCumulative {
+    pub(crate) fn new() -> Self {
+        Self { kept: [(f64::NAN, f64::NAN); 2] }
+    }
+
+    /// The mean over `low ..= high`.
+    pub(crate) fn over(&mut self, low: f64, high: f64, reach: f64) -> f64 {
+        let kept = &mut self.kept;
+        let mut integral = |x: f64| {
+            if let Some((_, integral)) = kept.iter().find(|(at, _)| at.to_bits() == x.to_bits()) {
+                return *integral;
+            }
+            *kept = [kept[1], (x, exact_integral(x))];
+            kept[1].1
+        };
+        mean_cumulative_by(&mut integral, low, high, reach)
     }
 }
 
@@ -85,29 +117,72 @@ pub(crate) fn cumulative(x: f64) -> f64 {
     if x < -REACH { 0.0 } else { from_table(&CUMULATIVES, x).unwrap_or(1.0) }
 }
 
-/// The cubic that has value and slope at both ends of a step, error below step^4 / 384 times the fourth derivative; none beyond
-/// `REACH`.
-fn from_table(table: &[[[f64; 2]; 2]], x: f64) -> Option<f64> {
-    let at = (x + REACH) * PER_UNIT;
-    let [[a, da], [b, db]] = table.get(at as usize)?;
-    let t = at.fract();
+/// What a table holds of a place from `-REACH` on; none beyond `REACH`.
+fn from_table(table: &Table, x: f64) -> Option<f64> {
+    let place = (x + REACH) * PER_UNIT;
+    (place < STEPS as f64).then(|| cubic(table[place as usize], place.fract()))
+}
+
+/// The cubic that has value and slope at both ends of a step of a table, error below step^4 / 384 times the fourth derivative.
+#[inline(always)]
+fn cubic([[a, da], [b, db]]: [[f64; 2]; 2], t: f64) -> f64 {
     let s = 1.0 - t;
-    Some((a * (1.0 + 2.0 * t) + da * t) * s * s + (b * (1.0 + 2.0 * s) - db * s) * t * t)
+    (a * (1.0 + 2.0 * t) + da * t) * s * s + (b * (1.0 + 2.0 * s) - db * s) * t * t
+}
+
+/// [`cumulative_integral`] in lanes, to the bit.
+#[derive(Clone, Copy)]
+pub(crate) struct CumulativeIntegrals(&'static Table);
+
+impl CumulativeIntegrals {
+    /// The table.
+    pub(crate) fn new() -> Self {
+        Self(&INTEGRALS)
+    }
+
+    #[inline(always)]
+    pub(crate) fn at(self, x: &Lanes<f64>) -> Lanes<f64> {
+        /// A sum with 2^52 has no fraction, and its low bits are the other number.
+        const WHOLE: f64 = 4_503_599_627_370_496.0;
+        let end = STEPS as f64;
+        let place = each(|l| (x[l] + REACH) * PER_UNIT);
+        let inside = each(|l| if place[l] > 0.0 { place[l] } else { 0.0 });
+        let inside = each(|l| if inside[l] < end - 0.5 { inside[l] } else { end - 0.5 });
+        let nearest = each(|l| (inside[l] + WHOLE) - WHOLE);
+        let number = each(|l| if nearest[l] > inside[l] { nearest[l] - 1.0 } else { nearest[l] });
+        let t = each(|l| inside[l] - number[l]);
+        let number: Lanes<u32> = each(|l| (number[l] + WHOLE).to_bits() as u32);
+        let (mut a, mut da, mut b, mut db) = ([0.0; LANES], [0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        for l in 0..LANES {
+            [[a[l], da[l]], [b[l], db[l]]] = self.0[number[l] as usize % ROOM];
+        }
+        let inner = each(|l| cubic([[a[l], da[l]], [b[l], db[l]]], t[l]));
+        let inner = each(|l| if place[l] < end { inner[l] } else { x[l] });
+        each(|l| if x[l] < -REACH { 0.0 } else { inner[l] })
+    }
 }
 
 /// Steps of the table per unit.
 const PER_UNIT: f64 = 256.0;
 
-/// Value and slope times step, at both ends of every step from `-REACH` to `REACH`.
-type Table = LazyLock<Vec<[[f64; 2]; 2]>>;
+/// Steps of the table, and room for so many that a remainder is a place in it.
+const STEPS: usize = (2.0 * REACH * PER_UNIT) as usize;
+const ROOM: usize = STEPS.next_power_of_two();
 
-fn table(value_and_slope: impl Fn(f64) -> [f64; 2]) -> Vec<[[f64; 2]; 2]> {
-    let steps = (2.0 * REACH * PER_UNIT) as usize;
+/// Value and slope times step, at both ends of every step from `-REACH` to `REACH`.
+type Table = [[[f64; 2]; 2]; ROOM];
+
+/// The table of a function by its value and slope.
+fn table(value_and_slope: impl Fn(f64) -> [f64; 2]) -> Box<Table> {
     let at = |k: usize| {
         let [value, slope] = value_and_slope(k as f64 / PER_UNIT - REACH);
         [value, slope / PER_UNIT]
     };
-    (0..steps).map(|k| [at(k), at(k + 1)]).collect()
+    let mut table = Box::new([[[0.0; 2]; 2]; ROOM]);
+    for (k, step) in table[..STEPS].iter_mut().enumerate() {
+        *step = [at(k), at(k + 1)];
+    }
+    table
 }
 
 /// `Phi`, without the table.
@@ -115,9 +190,10 @@ fn exact_cumulative(x: f64) -> f64 {
     if x < 0.0 { tail(x) } else { 1.0 - tail(x) }
 }
 
-static INTEGRALS: Table = LazyLock::new(|| table(|x| [x * exact_cumulative(x) + density(x), exact_cumulative(x)]));
+static INTEGRALS: LazyLock<Box<Table>> =
+    LazyLock::new(|| table(|x| [x * exact_cumulative(x) + density(x), exact_cumulative(x)]));
 
-static CUMULATIVES: Table = LazyLock::new(|| table(|x| [exact_cumulative(x), density(x)]));
+static CUMULATIVES: LazyLock<Box<Table>> = LazyLock::new(|| table(|x| [exact_cumulative(x), density(x)]));
 
 #[cfg(test)]
 mod tests {
@@ -181,6 +257,17 @@ mod tests {
             assert!(error.abs() < 1e-12, "{x}: {error}");
         }
         assert!(cumulative_integral(f64::INFINITY).is_infinite());
+    }
+
+    #[test]
+    fn in_lanes_it_is_the_same_to_the_bit() {
+        let at = |k: i32| f64::from(k) * 1.000_37e-2;
+        for k in (-2000..2000).step_by(LANES) {
+            let mut x = each(|l| at(k + l as i32));
+            x[3] = [f64::NEG_INFINITY, f64::INFINITY, -REACH, REACH, -0.0][k as usize % 5];
+            let found = CumulativeIntegrals::new().at(&x);
+            assert_eq!(found.map(f64::to_bits), x.map(|x| cumulative_integral(x).to_bits()), "{x:?}");
+        }
     }
 
     #[test]

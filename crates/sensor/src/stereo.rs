@@ -1,5 +1,9 @@
 //! The stereo camera of the paper: Eq. (21), Figures 6 and 7.
 
+mod bins;
+
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use crate::gaussian::{self, Gaussian};
@@ -189,6 +193,20 @@ impl InverseModel for Stereo {
         // The mean over the chord's disparities d of Phi(high - d) - Phi(low - d).
         let integral = |edge: f64| normal::cumulative_integral(edge - far) - normal::cumulative_integral(edge - near);
         ((integral(high) - integral(low)) / span).clamp(0.0, 1.0)
+    }
+
+    /// A chord ends where the next begins, so that there is one pair of integrals per grid line; where the bin is clear there is none.
+    fn bins(&self, reading: f64, half_width: f64, bearing: f64, ranges: &[f64], bins: &mut [f64]) -> Range<usize> {
+        let cosine = libm::cos(bearing);
+        let [low, high] = [reading - half_width, reading + half_width];
+        let clear_m = self.clear_until(reading, half_width, bearing);
+        let clear = if clear_m > 0.0 { ranges[1..].partition_point(|exit| *exit <= clear_m) } else { 0 };
+        bins[..clear].fill(0.0);
+        let nearer = clear + ranges[clear + 1..].partition_point(|exit| self.at_cosine(*exit, cosine) > high);
+        let end =
+            clear + ranges[clear..ranges.len() - 1].partition_point(|enter| self.at_cosine(*enter, cosine) >= low);
+        bins::fill(self, cosine, [low, high], &ranges[clear..=end], &mut bins[clear..end]);
+        nearer.min(end)..end
     }
 
     /// Where the Gaussian of the farthest disparity no longer reaches the bin, and a little before.

@@ -26,7 +26,7 @@ impl PairwiseGrid {
         let spec = *self.spec();
         let off_rays = |edge: usize| moments.edge[edge].count == 0;
         let mut moved = vec![0.0; spec.cells()];
-        for &cell in &moments.touched {
+        for cell in moments.touched.iter() {
             moved[cell] = 0.5 * (1.0 + moments.cell[cell].value()) - self.marginal[cell];
         }
         let mut after = self.marginal.clone();

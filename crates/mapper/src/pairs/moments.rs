@@ -1,8 +1,10 @@
 //! The moments of the rays' posteriors, Eq. (20) in the basis that separates it.
 
 use grid::GridSpec;
+use sensor::lanes::Lanes;
 
 use crate::memory::Held;
+use crate::pairs::cell_set::CellSet;
 use crate::pairs::joint::Joint;
 use crate::pairs::posterior::RayPosterior;
 
@@ -35,14 +37,23 @@ pub struct Moments {
     pub(crate) spec: GridSpec,
     pub(crate) cell: Vec<Mean>,
     pub(crate) edge: Vec<Mean>,
-    /// Cells with a mean, in the order in which rays first touched them.
-    pub(crate) touched: Vec<usize>,
+    /// Cells with a mean.
+    pub(crate) touched: CellSet,
 }
 
 /// `m_i`, `m_j` and `m_ij` of a joint.
 pub(crate) fn of(joint: &Joint) -> [f64; 3] {
     let Joint { ee, ef, fe, ff } = *joint;
     [(ee + ef) - (fe + ff), (ee + fe) - (ef + ff), (ee + ff) - (ef + fe)]
+}
+
+/// The posterior of one of several rays.
+pub(crate) struct RayMoments<'a> {
+    pub(crate) lane: usize,
+    /// Posterior marginal of its first cell.
+    pub(crate) first: f64,
+    /// `m_j`, `m_{j+1}` and `m_{j,j+1}` of its pairs.
+    pub(crate) pairs: &'a [[Lanes<f64>; 3]],
 }
 
 impl Moments {
@@ -52,7 +63,7 @@ impl Moments {
             spec,
             cell: vec![Mean::default(); spec.cells()],
             edge: vec![Mean::default(); 2 * spec.cells()],
-            touched: Vec::new(),
+            touched: CellSet::new(spec.cells()),
         }
     }
 
@@ -61,32 +72,38 @@ impl Moments {
     /// A ray of one cell has no pair; it counts for its cell alone.
     pub fn add(&mut self, cells: &[usize], posterior: &RayPosterior) {
         if let &[only] = cells {
-            self.add_cell(only, 2.0 * posterior.first - 1.0);
+            self.cell[only].add(2.0 * posterior.first - 1.0);
         }
         for (pair, joint) in cells.windows(2).zip(&posterior.pairs) {
             let [first, second, product] = of(joint);
-            self.add_cell(pair[0], first);
-            self.add_cell(pair[1], second);
+            self.cell[pair[0]].add(first);
+            self.cell[pair[1]].add(second);
             self.edge[self.spec.edge_between(pair[0], pair[1])].add(product);
         }
+        cells.iter().for_each(|cell| self.touched.insert(*cell));
     }
 
-    fn add_cell(&mut self, cell: usize, moment: f64) {
-        if self.cell[cell].count == 0 {
-            self.touched.push(cell);
+    /// The same of a ray that was updated together with others.
+    pub(crate) fn add_moments(&mut self, cells: &[usize], RayMoments { lane, first, pairs }: &RayMoments) {
+        if let &[only] = cells {
+            self.cell[only].add(2.0 * first - 1.0);
         }
-        self.cell[cell].add(moment);
+        let lane = *lane;
+        for (pair, [first, second, product]) in cells.windows(2).zip(*pairs) {
+            self.cell[pair[0]].add(first[lane]);
+            self.cell[pair[1]].add(second[lane]);
+            self.edge[self.spec.edge_between(pair[0], pair[1])].add(product[lane]);
+        }
+        cells.iter().for_each(|cell| self.touched.insert(*cell));
     }
 
     /// Forgets everything, at the cost of what was touched.
     pub(crate) fn clear(&mut self) {
-        for &cell in &self.touched {
+        for cell in self.touched.drain() {
             self.cell[cell] = Mean::default();
-            for n in self.spec.neighbours(cell) {
-                self.edge[n.edge] = Mean::default();
-            }
+            // Of the ends of an edge on a ray both are touched: it is enough to ask the lower.
+            self.edge[2 * cell..2 * cell + 2].fill(Mean::default());
         }
-        self.touched.clear();
     }
 }
 

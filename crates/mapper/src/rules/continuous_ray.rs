@@ -169,14 +169,20 @@ impl ContinuousRays {
         let [first, second] = wedge.ends(far_m);
         let (spec, rule) = (*self.map.spec(), self.rule);
         let free = rule.update(f64::NEG_INFINITY);
-        cells_of_triangle(&spec, [wedge.ray.origin_m, first, second], |cell| {
-            let [x, y] = spec.centre(cell);
-            let offset = [x - from_x, y - from_y];
-            let distance_m = libm::hypot(offset[0], offset[1]);
-            if distance_m <= until_m && wedge.holds(offset) {
-                let ahead_sigmas = (distance_m - range_m) / sigma_m;
-                self.map.add(cell, if ahead_sigmas < -FRONT { free } else { rule.update(ahead_sigmas) });
-                self.cells += 1;
+        let (mut odds, cells) = (self.map.change(), &mut self.cells);
+        cells_of_triangle(&spec, [wedge.ray.origin_m, first, second], |row, columns| {
+            let mut offset = [0.0, spec.centre_at(columns.start, row)[1] - from_y];
+            for column in columns {
+                offset[0] = spec.centre_at(column, row)[0] - from_x;
+                if !wedge.holds(offset) {
+                    continue;
+                }
+                let distance_m = libm::hypot(offset[0], offset[1]);
+                if distance_m <= until_m {
+                    let (cell, ahead_sigmas) = (spec.index(column, row), (distance_m - range_m) / sigma_m);
+                    odds.add(cell..cell + 1, if ahead_sigmas < -FRONT { free } else { rule.update(ahead_sigmas) });
+                    *cells += 1;
+                }
             }
         });
     }

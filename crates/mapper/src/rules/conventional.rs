@@ -3,10 +3,10 @@
 use grid::{DigitalLine, Raster};
 use sensor::{Placement, Scan, SensorModel};
 
-use crate::belief::probability::{EPSILON, bayes, bounded};
+use crate::belief::probability::{EPSILON, bayes};
 use crate::fit::{Candidate, Fit, Fitted, Setting, numbers};
 use crate::mapper::{Mapper, Work};
-use crate::memory::Held as _;
+use crate::memory::Held;
 use crate::model::{Model, Sensors};
 use crate::tuning::Tuning;
 
@@ -70,6 +70,32 @@ impl ConventionalRule {
         }
     }
 
+    /// [`likelihoods`](Self::likelihoods) of all chords along a ray that are not behind the reading, to the bit: chord `k` is
+    /// `ranges[k] ..= ranges[k + 1]`.
+    pub(crate) fn along(
+        &self,
+        sensor: &(impl SensorModel + ?Sized),
+        reading: f64,
+        bearing: f64,
+        ranges: &[f64],
+        along: &mut Along,
+    ) {
+        let Along { bins, likelihoods } = along;
+        likelihoods.clear();
+        bins.resize(bins.len().max(ranges.len() - 1), 0.0);
+        let bins = &mut bins[..ranges.len() - 1];
+        let within = sensor.bins(reading, self.half_width, bearing, ranges, bins);
+        let correct = sensor.correct_match();
+        let nearer = bins[..within.start].iter();
+        likelihoods.extend(nearer.map(|bin| [1.0 - correct, correct * (1.0 - bin)])); // Eqs. (25), (26)
+        if within.is_empty() {
+            return;
+        }
+        let false_match = (1.0 - correct) * sensor.false_match_probability(reading, self.half_width);
+        let within = bins[within].iter();
+        likelihoods.extend(within.map(|bin| [correct * bin + false_match, 1.0 - correct])); // Eqs. (21), (23), (24)
+    }
+
     /// This rule, made for the paper's camera with its bin of 1 px, for another sensor and cells of side `cell_m` (m):
     /// the same share of that sensor's bin.
     pub fn for_sensor(self, sensor: &(impl SensorModel + ?Sized), cell_m: f64) -> Self {
@@ -90,7 +116,29 @@ impl ConventionalRule {
     /// Eq. (22) within the clamps of this rule.
     pub fn update(&self, p: f64, likelihoods: [f64; 2]) -> f64 {
         let [low, high] = self.clamp;
-        bounded(bayes(p, likelihoods)).clamp(low.max(EPSILON), high.min(1.0 - EPSILON))
+        bayes(p, likelihoods).clamp(low.max(EPSILON), high.min(1.0 - EPSILON))
+    }
+
+    /// The same for some cells of a map.
+    fn update_cells(&self, map: &mut [f64], cells: &[usize], likelihoods: impl Iterator<Item = [f64; 2]>) {
+        for (&cell, likelihoods) in cells.iter().zip(likelihoods) {
+            let p = &mut map[cell];
+            *p = self.update(*p, likelihoods);
+        }
+    }
+}
+
+/// What a reading says of the chords along its ray. A buffer to fill again and again.
+#[derive(Clone, Default)]
+pub(crate) struct Along {
+    bins: Vec<f64>,
+    /// Likelihoods of the reading if a chord's cell is occupied and if it is free, of all that are not behind it.
+    pub(crate) likelihoods: Vec<[f64; 2]>,
+}
+
+impl Held for Along {
+    fn held(&self) -> usize {
+        self.bins.held() + self.likelihoods.held()
     }
 }
 
@@ -126,6 +174,7 @@ pub struct Conventional {
     /// The rule of every sensor.
     rules: Vec<ConventionalRule>,
     line: DigitalLine,
+    along: Along,
     cells: u64,
 }
 
@@ -147,6 +196,7 @@ impl Conventional {
             sensors: model.sensors.clone(),
             rules: vec![rule; model.sensors.iter().len()],
             line: DigitalLine::default(),
+            along: Along::default(),
             cells: 0,
         }
     }
@@ -156,27 +206,22 @@ impl Mapper for Conventional {
     fn integrate(&mut self, scan: &Scan) {
         let sensor = &**self.sensors.of(scan);
         let rule = self.rules[scan.sensor];
+        let spec = *self.occupancy.spec();
+        let seen_free = [1.0 - sensor.correct_match(), sensor.correct_match()]; // Eqs. (25), (26) with an empty bin
         for ray in scan.rays() {
             let Some(reading) = ray.reading else { continue };
             let (bearing, half_width) = (ray.bearing_rad, rule.half_width);
             // A chord is at most a diagonal: no cell that matters is cut short.
-            let end_m = sensor.behind_from(reading, half_width, bearing) + 3.0 * self.occupancy.spec().cell_m;
-            self.line.trace(self.occupancy.spec(), ray.origin_m, ray.direction, end_m);
+            let end_m = sensor.behind_from(reading, half_width, bearing) + 3.0 * spec.cell_m;
+            self.line.trace(&spec, ray.origin_m, ray.direction, end_m);
+            let (cells, ranges) = (self.line.cells(), self.line.ranges());
             let clear_m = sensor.clear_until(reading, half_width, bearing);
-            let seen_free = [1.0 - sensor.correct_match(), sensor.correct_match()]; // Eqs. (25), (26) with an empty bin
-            let chords = self.line.ranges().windows(2);
-            for (&cell, chord) in self.line.cells().iter().zip(chords) {
-                let likelihoods = if chord[1] <= clear_m {
-                    seen_free
-                } else {
-                    match rule.likelihoods(sensor, reading, bearing, chord[0], chord[1]) {
-                        Some(likelihoods) => likelihoods,
-                        None => break,
-                    }
-                };
-                self.occupancy[cell] = rule.update(self.occupancy[cell], likelihoods);
-                self.cells += 1;
-            }
+            let clear = ranges[1..].partition_point(|exit| *exit <= clear_m);
+            rule.along(sensor, reading, bearing, &ranges[clear..], &mut self.along);
+            let (map, likelihoods) = (self.occupancy.values_mut(), &self.along.likelihoods);
+            rule.update_cells(map, &cells[..clear], std::iter::repeat(seen_free));
+            rule.update_cells(map, &cells[clear..], likelihoods.iter().copied());
+            self.cells += (clear + likelihoods.len()) as u64;
         }
     }
 
@@ -189,7 +234,7 @@ impl Mapper for Conventional {
     }
 
     fn work(&self) -> Work {
-        Work { cells: self.cells, bytes: self.occupancy.held() + self.line.held() }
+        Work { cells: self.cells, bytes: self.occupancy.held() + self.line.held() + self.along.held() }
     }
 }
 
@@ -197,7 +242,8 @@ impl Mapper for Conventional {
 mod tests {
     use super::*;
     use grid::GridSpec;
-    use sensor::{InverseModel as _, Pose, Stereo};
+    use proptest::prelude::*;
+    use sensor::{InverseModel as _, Laser, Pose, Stereo};
     use std::sync::Arc;
 
     fn model(width: usize) -> Model {
@@ -208,6 +254,66 @@ mod tests {
     fn scan(reading: f64) -> Scan {
         let pose = Pose { x_m: 0.0, y_m: 0.025, theta_rad: 0.0 };
         Scan { sensor: 0, time_s: 0.0, pose, bearings_rad: vec![0.0], readings: vec![Some(reading)] }
+    }
+
+    /// The rule cell by cell: every chord asked about by itself, to the end of the map.
+    fn cell_by_cell(model: &Model, rules: &[ConventionalRule], scans: &[Scan]) -> (Raster<f64>, u64) {
+        let (mut map, mut cells) = (Raster::filled(model.grid, model.prior.marginal()), 0);
+        for scan in scans {
+            let (sensor, rule) = (&**model.sensors.of(scan), rules[scan.sensor]);
+            for ray in scan.rays() {
+                let Some(reading) = ray.reading else { continue };
+                let mut line = DigitalLine::default();
+                line.trace(&model.grid, ray.origin_m, ray.direction, f64::INFINITY);
+                for (&cell, chord) in line.cells().iter().zip(line.ranges().windows(2)) {
+                    let free = chord[1] <= sensor.clear_until(reading, rule.half_width, ray.bearing_rad);
+                    let seen_free = free.then_some([1.0 - sensor.correct_match(), sensor.correct_match()]);
+                    let likelihoods = || rule.likelihoods(sensor, reading, ray.bearing_rad, chord[0], chord[1]);
+                    let Some(likelihoods) = seen_free.or_else(likelihoods) else { break };
+                    map[cell] = rule.update(map[cell], likelihoods);
+                    cells += 1;
+                }
+            }
+        }
+        (map, cells)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 500, failure_persistence: None, ..ProptestConfig::default() })]
+
+        /// To the bit: readings at the sensor, beyond the map and without range, none, bearings behind the camera, rays from grid lines.
+        #[test]
+        fn it_is_the_rule_cell_by_cell(
+            (width, height) in (1usize..70, 1usize..50), at in prop::array::uniform2((0.0f64..1.0, any::<bool>())), quarter in 0usize..8,
+            rays in prop::collection::vec((
+                prop_oneof![6 => -1.5f64..1.5, 2 => -4.0f64..4.0, 1 => Just(0.0)],
+                prop_oneof![5 => (0.0f64..5.0).prop_map(Some), 2 => (0.0f64..70.0).prop_map(Some), 1 => Just(Some(0.0)),
+                    1 => Just(Some(f64::INFINITY)), 1 => Just(None)],
+            ), 1..20),
+            clamp in prop::sample::select(vec![[EPSILON, 1.0 - EPSILON], [0.005, 0.4], [0.2, 0.6]]), sigma in 0.02f64..0.8, which in 0usize..2,
+        ) {
+            let grid = GridSpec { cell_m: 0.05, origin_m: [-0.4, 3.0], width, height };
+            let sensors: Vec<Arc<dyn SensorModel>> = vec![
+                Arc::new(Stereo { disparity_sigma: sigma, ..Stereo::default() }),
+                Arc::new(Laser { range_sigma_m: 0.1 * sigma, max_range_m: 2.0, ..Laser::default() }),
+            ];
+            let model = Model { sensors: Sensors::new(sensors), ..Model::new(grid, Arc::new(Stereo::default())) };
+            let [x_m, y_m] = [0, 1].map(|k| {
+                let cells = at[k].0 * [width, height][k] as f64;
+                grid.origin_m[k] + 0.05 * if at[k].1 { cells.floor() } else { cells }
+            });
+            let pose = Pose { x_m, y_m, theta_rad: quarter as f64 * std::f64::consts::FRAC_PI_4 };
+            let (bearings_rad, readings): (Vec<f64>, Vec<Option<f64>>) = rays.into_iter().unzip();
+            let scan = |sensor| Scan { sensor, time_s: 0.0, pose, bearings_rad: bearings_rad.clone(), readings: readings.clone() };
+            let scans = [scan(which), scan(1 - which)];
+            let rule = ConventionalRule { clamp, ..ConventionalRule::default() };
+            let mut mapper = Conventional::for_sensors(&model, rule);
+            scans.iter().for_each(|scan| mapper.integrate(scan));
+            let (map, cells) = cell_by_cell(&model, &rule.for_sensors(&model), &scans);
+            let bits = |map: &Raster<f64>| map.values().iter().map(|p| p.to_bits()).collect::<Vec<_>>();
+            prop_assert_eq!(bits(mapper.occupancy()), bits(&map));
+            prop_assert_eq!(mapper.work().cells, cells);
+        }
     }
 
     #[test]

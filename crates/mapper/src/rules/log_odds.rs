@@ -3,17 +3,16 @@
 use std::cell::OnceCell;
 
 use grid::Raster;
-use sensor::lanes::{LANES, Lanes};
 use sensor::{Ray, Scan, SensorModel, in_lanes};
 
 use crate::belief::probability::{from_log_odds, log_odds};
-use crate::fast::lines::Lines;
-use crate::fast::tiles::{Numbering, PATCH, TILE, Tiles, split};
+use crate::fast::tiles::{Numbering, PATCH, TILE, Tiles};
 use crate::fit::{Candidate, Fit, Fitted, Setting, numbers};
 use crate::mapper::{Mapper, Work};
 use crate::memory::Held as _;
 use crate::model::{Model, Sensors};
 use crate::rules::range_cut;
+use crate::rules::sweep::{Cells, Sweep};
 use crate::tuning::Tuning;
 
 /// A log-odds grid with one constant for a hit and one for a miss.
@@ -71,7 +70,7 @@ impl LogOdds {
     /// Log odds that a hit or a miss adds, and the clamps.
     fn steps(&self) -> Steps {
         let [low, high] = self.clamp.map(log_odds);
-        Steps { hit: log_odds(self.hit), miss: log_odds(self.miss), low, high }
+        Steps { start: log_odds(self.start), hit: log_odds(self.hit), miss: log_odds(self.miss), low, high }
     }
 }
 
@@ -92,28 +91,28 @@ impl Fitted for LogOdds {
 /// A rule in log odds.
 #[derive(Clone, Copy)]
 struct Steps {
+    start: f64,
     hit: f64,
     miss: f64,
     low: f64,
     high: f64,
 }
 
-/// A tile of the map: 9 bytes per cell.
+/// A tile of the map: 8.3 bytes per cell.
 #[derive(Clone)]
 struct Tile {
+    /// NaN in a cell that was never updated.
     log_odds: [f64; TILE],
-    /// [`MISS`], [`HIT`] and [`KNOWN`].
-    seen: [u8; TILE],
-    /// Whether the scan has marked a cell of each of its patches so far.
-    touched: [bool; TILE / PATCH],
+    /// Cells that the scan has passed through so far, a bit to each, patch by patch, ...
+    missed: [u64; PATCHES],
+    /// ... and those that it has ended in.
+    hit: [u64; PATCHES],
+    /// Whether it has come to any of them.
+    touched: bool,
 }
 
-/// The scan has passed through the cell.
-const MISS: u8 = 1;
-/// It has ended in the cell.
-const HIT: u8 = 2;
-/// The cell was updated before.
-const KNOWN: u8 = 4;
+/// Patches of a tile.
+const PATCHES: usize = TILE / PATCH;
 
 /// The mapper with this rule. O(cells up to the reading) per ray.
 ///
@@ -123,6 +122,9 @@ const KNOWN: u8 = 4;
 /// dropped and clears nothing, as point clouds drop it. A beam without echo clears as far as
 /// [`LogOdds::no_echo_m`], whatever the sensor's range, and hits nothing. A cell that was never updated is unknown: it
 /// reports the prior, like the unseen cells of every other mapper.
+///
+/// While a scan is taken, it is only noted which cells were missed and hit, a bit to each and a patch of 8 x 8 cells at a time ([`Sweep`]).
+/// Then every cell that was is updated, once.
 #[derive(Clone)]
 pub struct ConstantIncrements {
     steps: Steps,
@@ -131,8 +133,9 @@ pub struct ConstantIncrements {
     prior: f64,
     map: Tiles<Tile>,
     sensors: Sensors,
-    /// First cells of the patches that the scan has marked so far.
-    touched: Vec<u32>,
+    sweep: Sweep,
+    /// The tiles that the scan has come to so far.
+    touched: Vec<usize>,
     cells: u64,
     /// The map as others see it, made when it is asked for.
     occupancy: OnceCell<Raster<f64>>,
@@ -141,7 +144,7 @@ pub struct ConstantIncrements {
 impl ConstantIncrements {
     /// The unseen map.
     pub fn new(model: &Model, rule: LogOdds) -> Self {
-        let unknown = Tile { log_odds: [log_odds(rule.start); TILE], seen: [0; TILE], touched: [false; TILE / PATCH] };
+        let unknown = Tile { log_odds: [f64::NAN; TILE], missed: [0; PATCHES], hit: [0; PATCHES], touched: false };
         Self {
             steps: rule.steps(),
             no_echo_m: rule.no_echo_m,
@@ -149,31 +152,44 @@ impl ConstantIncrements {
             prior: model.prior.marginal(),
             map: Tiles::new(Numbering::new(model.grid), unknown),
             sensors: model.sensors.clone(),
+            sweep: Sweep::default(),
             touched: Vec::new(),
             cells: 0,
             occupancy: OnceCell::new(),
         }
     }
 
-    /// Up to where a ray misses, and where it hits, m; none if it does neither.
-    fn ends(&self, sensor: &dyn SensorModel, ray: &Ray) -> Option<Ends> {
+    /// Up to where a ray misses, and what becomes of the cell there; none if it does nothing.
+    fn end(&self, sensor: &dyn SensorModel, ray: &Ray) -> Option<(f64, End)> {
         let reading = ray.reading?;
         if reading == f64::INFINITY {
-            let ends = Ends { until_m: self.no_echo_m, hit_m: f64::INFINITY, spared_m: f64::INFINITY };
-            return Some(ends).filter(|ends| ends.until_m > 0.0);
+            return Some((self.no_echo_m, End::Missed)).filter(|(until_m, _)| *until_m > 0.0);
         }
         let point_m = sensor.range_of(reading, ray.bearing_rad)?;
-        if point_m <= self.max_range_m {
-            return Some(Ends { until_m: point_m, hit_m: point_m, spared_m: f64::INFINITY });
+        Some(if point_m <= self.max_range_m { (point_m, End::Hit) } else { (self.max_range_m, End::Spared) })
+    }
+
+    /// Marks the cells of a ray up to a range (m).
+    fn follow(&mut self, ray: &Ray, until_m: f64, end: End) {
+        let Self { map, sweep, touched, .. } = self;
+        sweep.trace(&map.numbering, ray, until_m);
+        let Some(last) = sweep.last() else { return };
+        for &cells in sweep.before_last() {
+            touch(map, touched, cells).missed[cells.patch as usize % PATCHES] |= cells.bits;
         }
-        Some(Ends { until_m: self.max_range_m, hit_m: f64::INFINITY, spared_m: self.max_range_m })
+        let (tile, patch) = (touch(map, touched, last), last.patch as usize % PATCHES);
+        self.cells += sweep.len() as u64;
+        match end {
+            _ if sweep.end_m() < until_m => tile.missed[patch] |= last.bits, // at the border
+            End::Hit => tile.hit[patch] |= last.bits,
+            End::Missed => tile.missed[patch] |= last.bits,
+            End::Spared => self.cells -= 1,
+        }
     }
 
     fn occupied(&self, tile: &Tile, place: usize) -> f64 {
-        if tile.seen[place] & KNOWN == 0 {
-            return self.prior;
-        }
-        from_log_odds(tile.log_odds[place])
+        let log_odds = tile.log_odds[place];
+        if log_odds.is_nan() { self.prior } else { from_log_odds(log_odds) }
     }
 
     /// The part of the map that rays have crossed, as [`crate::FastVisibility::seen`].
@@ -183,84 +199,65 @@ impl ConstantIncrements {
     }
 }
 
-/// Where a ray ends.
+/// What becomes of the cell in which a ray ends.
 #[derive(Clone, Copy)]
-struct Ends {
-    /// Range up to which its cells are marked, m.
-    until_m: f64,
-    /// Range at which a cell is hit, m; infinite if none is.
-    hit_m: f64,
-    /// Range at which a cell is left alone, m: the one that a ray that was cut short ends in; infinite if none is.
-    spared_m: f64,
+enum End {
+    /// The point lies there.
+    Hit,
+    /// Nothing is known to be there.
+    Missed,
+    /// The ray was cut short there.
+    Spared,
+}
+
+/// The tile of some cells, to be marked.
+#[inline(always)]
+fn touch<'a>(map: &'a mut Tiles<Tile>, touched: &mut Vec<usize>, cells: Cells) -> &'a mut Tile {
+    let tile = cells.patch as usize / PATCHES;
+    let here = map.make(tile);
+    if !here.touched {
+        here.touched = true;
+        touched.push(tile);
+    }
+    here
 }
 
 in_lanes! {
-    fn mark<'a>(mapper: &'a mut ConstantIncrements, lines: Lines, hit: Lanes<f64>, spared: Lanes<f64>) {
-        mark_cells(mapper, lines, &hit, &spared);
+    fn update<'a>(tile: &'a mut Tile, steps: Steps) {
+        update_cells(tile, steps);
     }
 }
 
-/// Follows rays to their points, and marks the cells on them.
+/// Adds what a scan has seen of the cells of a tile to their log odds.
 #[inline(always)]
-fn mark_cells(mapper: &mut ConstantIncrements, mut lines: Lines, hit: &Lanes<f64>, spared: &Lanes<f64>) {
-    let ConstantIncrements { map, touched, cells, .. } = mapper;
-    while !lines.done() {
-        let (cell, alive) = (lines.cell(), lines.alive);
-        let step = lines.step();
-        *cells += alive.iter().sum::<f64>() as u64;
-        for l in (0..LANES).filter(|l| alive[*l] > 0.0) {
-            if step.exit[l] >= spared[l] {
-                *cells -= 1;
-                continue;
-            }
-            let (tile, place) = split(cell[l]);
-            let here = map.make(tile);
-            if !here.touched[place / PATCH] {
-                here.touched[place / PATCH] = true;
-                touched.push(cell[l] - (place % PATCH) as u32);
-            }
-            here.seen[place] |= if step.exit[l] >= hit[l] { HIT } else { MISS };
+fn update_cells(Tile { log_odds, missed, hit, touched }: &mut Tile, steps: Steps) {
+    *touched = false;
+    for (log_odds, (missed, hit)) in log_odds.chunks_exact_mut(PATCH).zip(missed.iter_mut().zip(hit)) {
+        let [seen, hits] = [*missed | *hit, *hit];
+        if seen == 0 {
+            continue;
+        }
+        (*missed, *hit) = (0, 0);
+        for (k, log_odds) in log_odds.iter_mut().enumerate() {
+            let before = if log_odds.is_nan() { steps.start } else { *log_odds };
+            let after = before + if hits >> k & 1 == 0 { steps.miss } else { steps.hit };
+            let after = if after > steps.low { after } else { steps.low };
+            let after = if after < steps.high { after } else { steps.high };
+            *log_odds = if seen >> k & 1 == 0 { *log_odds } else { after };
         }
     }
-}
-
-in_lanes! {
-    fn apply<'a>(tile: &'a mut Tile, from: usize, steps: Steps) {
-        apply_marks(tile, from, steps);
-    }
-}
-
-/// Adds what the marks of a patch stand for to its log odds.
-#[inline(always)]
-fn apply_marks(Tile { log_odds, seen, touched }: &mut Tile, from: usize, Steps { hit, miss, low, high }: Steps) {
-    let patch = from..from + PATCH;
-    for (log_odds, seen) in log_odds[patch.clone()].iter_mut().zip(&mut seen[patch]) {
-        let after = *log_odds + if *seen & HIT != 0 { hit } else { miss };
-        let after = if after > low { after } else { low };
-        let after = if after < high { after } else { high };
-        let marked = *seen & (HIT | MISS) != 0;
-        *log_odds = if marked { after } else { *log_odds };
-        *seen = if marked { KNOWN } else { *seen };
-    }
-    touched[from / PATCH] = false;
 }
 
 impl Mapper for ConstantIncrements {
     fn integrate(&mut self, scan: &Scan) {
-        let sensor = &**self.sensors.of(scan);
-        let rays: Vec<(Ray, Ends)> = scan.rays().filter_map(|ray| Some((ray, self.ends(sensor, &ray)?))).collect();
-        for rays in rays.chunks(LANES) {
-            let mut lines = Lines::new(self.map.numbering);
-            let (mut hit, mut spared) = ([f64::INFINITY; LANES], [f64::INFINITY; LANES]);
-            for (lane, (ray, ends)) in rays.iter().enumerate() {
-                lines.start(lane, ray.origin_m, ray.direction, ends.until_m);
-                (hit[lane], spared[lane]) = (ends.hit_m, ends.spared_m);
+        let sensor = std::sync::Arc::clone(self.sensors.of(scan));
+        for ray in scan.rays() {
+            if let Some((until_m, end)) = self.end(&*sensor, &ray) {
+                self.follow(&ray, until_m, end);
             }
-            mark(self, lines, hit, spared);
         }
-        for first in self.touched.drain(..) {
-            let (tile, from) = split(first);
-            apply(self.map.make(tile), from, self.steps);
+        for tile in self.touched.drain(..) {
+            update(self.map.make(tile), self.steps);
         }
         self.occupancy.take();
     }
@@ -279,7 +276,8 @@ impl Mapper for ConstantIncrements {
     }
 
     fn work(&self) -> Work {
-        Work { cells: self.cells, bytes: self.map.held() + self.touched.held() + self.occupancy.held() }
+        let scan = self.sweep.held() + self.touched.held();
+        Work { cells: self.cells, bytes: self.map.held() + self.occupancy.held() + scan }
     }
 }
 
@@ -355,7 +353,7 @@ mod tests {
             let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width, height };
             let model = Model::new(grid, Arc::new(Stereo { focal_baseline: 1.0, ..Stereo::default() }));
             let rule = LogOdds::OCTOMAP;
-            let (mut mapper, Steps { hit, miss, low, high }) = (ConstantIncrements::new(&model, rule), rule.steps());
+            let (mut mapper, Steps { hit, miss, low, high, .. }) = (ConstantIncrements::new(&model, rule), rule.steps());
             let mut plain: Vec<Option<f64>> = vec![None; grid.cells()];
             let pose = Pose { x_m: at[0] * 0.05 * width as f64, y_m: at[1] * 0.05 * height as f64, theta_rad: 1.0 };
             for number in 0..scans {

@@ -5,11 +5,15 @@
 //! chain: prior pairs from the map, one unary per cell. Its posterior is the forward-backward recursion
 //! of Rabiner, "A tutorial on hidden Markov models", Proceedings of the IEEE 77, 1989.
 
+mod bundle;
+
 use grid::{DigitalLine, Raster};
 use sensor::Scan;
+use sensor::lanes::LANES;
 
+use self::bundle::Bundle;
 use crate::mapper::{Mapper, Work};
-use crate::memory::Held as _;
+use crate::memory::Held;
 use crate::model::{Model, Sensors};
 use crate::pairs::grid::PairwiseGrid;
 use crate::pairs::joint::Joint;
@@ -17,7 +21,7 @@ use crate::pairs::moments::Moments;
 use crate::pairs::posterior::RayPosterior;
 use crate::pairs::reconcile::Reconciliation;
 use crate::ray::chain::Chain;
-use crate::rules::conventional::ConventionalRule;
+use crate::rules::conventional::{Along, ConventionalRule};
 
 /// Updates the pairs along one ray with likelihoods of every cell by itself.
 ///
@@ -98,9 +102,10 @@ pub struct NoOcclusion {
     /// The rule of every sensor.
     rules: Vec<ConventionalRule>,
     reconciliation: Reconciliation,
-    line: DigitalLine,
+    lines: [DigitalLine; LANES],
+    along: Along,
+    bundle: Bundle,
     chain: Chain,
-    unaries: Vec<[f64; 2]>,
     posterior: RayPosterior,
     moments: Moments,
     cells: u64,
@@ -114,13 +119,29 @@ impl NoOcclusion {
             sensors: model.sensors.clone(),
             rules: ConventionalRule::default().for_sensors(model),
             reconciliation: model.reconciliation,
-            line: DigitalLine::default(),
+            lines: Default::default(),
+            along: Along::default(),
+            bundle: Bundle::default(),
             chain: Chain::default(),
-            unaries: Vec::new(),
             posterior: RayPosterior::default(),
             moments: Moments::new(model.grid),
             cells: 0,
         }
+    }
+
+    /// Updates so many rays, and adds what came out in their order.
+    fn update(&mut self, bundled: usize) {
+        self.bundle.update();
+        for (lane, line) in self.lines[..bundled].iter().enumerate() {
+            if let Some(posterior) = self.bundle.moments(lane) {
+                self.moments.add_moments(line.cells(), &posterior); // Eq. (20)
+            } else {
+                self.chain.gather(&self.pairs, line.cells());
+                self.chain.keep(&mut self.posterior);
+                self.moments.add(line.cells(), &self.posterior);
+            }
+        }
+        self.bundle.clear();
     }
 
     /// The map with its joint probabilities.
@@ -131,24 +152,26 @@ impl NoOcclusion {
 
 impl Mapper for NoOcclusion {
     fn integrate(&mut self, scan: &Scan) {
-        let sensor = &**self.sensors.of(scan);
+        let sensor = std::sync::Arc::clone(self.sensors.of(scan));
         let rule = self.rules[scan.sensor];
+        let mut bundled = 0;
         for ray in scan.rays() {
             let Some(reading) = ray.reading else { continue };
-            self.line.trace(self.pairs.spec(), ray.origin_m, ray.direction, f64::INFINITY);
-            if self.line.is_empty() {
+            let line = &mut self.lines[bundled];
+            line.trace(self.pairs.spec(), ray.origin_m, ray.direction, f64::INFINITY);
+            if line.is_empty() {
                 continue;
             }
-            self.chain.gather(&self.pairs, self.line.cells());
-            self.unaries.clear();
-            self.unaries.extend(self.line.ranges().windows(2).map(|chord| {
-                let likelihoods = rule.likelihoods(sensor, reading, ray.bearing_rad, chord[0], chord[1]);
-                likelihoods.unwrap_or([1.0; 2]) // Eqs. (23)-(26)
-            }));
-            posterior(&self.chain, &self.unaries, &mut self.posterior);
-            self.moments.add(self.line.cells(), &self.posterior); // Eq. (20)
-            self.cells += self.line.len() as u64;
+            rule.along(&*sensor, reading, ray.bearing_rad, line.ranges(), &mut self.along); // Eqs. (23)-(26)
+            self.along.likelihoods.resize(line.len(), [1.0; 2]);
+            self.bundle.gather(bundled, &self.pairs, line, &self.along.likelihoods);
+            self.cells += line.len() as u64;
+            bundled += 1;
+            if bundled == LANES {
+                self.update(std::mem::take(&mut bundled));
+            }
         }
+        self.update(bundled);
         self.pairs.reconcile(&mut self.moments, self.reconciliation); // Eqs. (18)-(20)
         debug_assert_eq!(self.pairs.check(), Ok(()));
     }
@@ -162,7 +185,77 @@ impl Mapper for NoOcclusion {
     }
 
     fn work(&self) -> Work {
-        let ray = self.line.held() + self.chain.held() + self.unaries.held() + self.posterior.held();
-        Work { cells: self.cells, bytes: self.pairs.held() + self.moments.held() + ray }
+        let lines: usize = self.lines.iter().map(Held::held).sum();
+        let rays = lines + self.along.held() + self.bundle.held() + self.chain.held() + self.posterior.held();
+        Work { cells: self.cells, bytes: self.pairs.held() + self.moments.held() + rays }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use grid::GridSpec;
+    use proptest::prelude::*;
+    use sensor::{Laser, Pose, SensorModel, Stereo};
+    use std::sync::Arc;
+
+    /// The rule ray by ray.
+    fn ray_by_ray(model: &Model, scans: &[Scan]) -> PairwiseGrid {
+        let mut pairs = PairwiseGrid::prior(model.grid, &model.prior);
+        let mut moments = Moments::new(model.grid);
+        let rules = ConventionalRule::default().for_sensors(model);
+        for scan in scans {
+            let (sensor, rule) = (&**model.sensors.of(scan), rules[scan.sensor]);
+            for ray in scan.rays() {
+                let mut line = DigitalLine::default();
+                line.trace(&model.grid, ray.origin_m, ray.direction, f64::INFINITY);
+                let Some(reading) = ray.reading.filter(|_| !line.is_empty()) else { continue };
+                let mut chain = Chain::default();
+                chain.gather(&pairs, line.cells());
+                let seen = line.ranges().windows(2).map(|chord| {
+                    rule.likelihoods(sensor, reading, ray.bearing_rad, chord[0], chord[1]).unwrap_or([1.0; 2])
+                });
+                let mut after = RayPosterior::default();
+                posterior(&chain, &seen.collect::<Vec<_>>(), &mut after);
+                moments.add(line.cells(), &after);
+            }
+            pairs.reconcile(&mut moments, model.reconciliation);
+        }
+        pairs
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
+
+        /// To the bit, marginals and joints: any number of rays, readings at the sensor, beyond the map and without range, none, bearings behind
+        /// the camera, sensors that rule states out.
+        #[test]
+        fn rays_in_lockstep_are_rays_one_by_one(
+            (width, height) in (1usize..50, 1usize..40), at in prop::array::uniform2(-0.1f64..1.1), theta_rad in -4.0f64..4.0,
+            rays in prop::collection::vec((-2.0f64..2.0, prop_oneof![
+                5 => (0.0f64..5.0).prop_map(Some), 2 => (0.0f64..70.0).prop_map(Some), 1 => Just(Some(0.0)), 1 => Just(Some(f64::INFINITY)), 1 => Just(None),
+            ]), 1..25),
+            correct_match in prop_oneof![3 => 0.5f64..0.99, 1 => Just(1.0), 1 => Just(0.0)], touched: bool, correlation in 0.0f64..1.0, laser: bool,
+        ) {
+            let grid = GridSpec { cell_m: 0.05, origin_m: [1.0, -0.3], width, height };
+            let sensor: Arc<dyn SensorModel> = match laser {
+                true => Arc::new(Laser { hit: correct_match, no_echo: 0.0, max_range_m: 1.5, ..Laser::default() }),
+                false => Arc::new(Stereo { correct_match, ..Stereo::default() }),
+            };
+            let prior = crate::Prior { correlation, ..crate::Prior::default() };
+            let reconciliation = if touched { Reconciliation::Touched } else { Reconciliation::AllEdges };
+            let model = Model { prior, reconciliation, ..Model::new(grid, sensor) };
+            let [x_m, y_m] = [0, 1].map(|k| grid.origin_m[k] + 0.05 * at[k] * [width, height][k] as f64);
+            let (bearings_rad, readings): (Vec<f64>, Vec<Option<f64>>) = rays.into_iter().unzip();
+            let scan = Scan { sensor: 0, time_s: 0.0, pose: Pose { x_m, y_m, theta_rad }, bearings_rad, readings };
+            let turned = Scan { pose: Pose { theta_rad: theta_rad + 1.0, ..scan.pose }, ..scan.clone() };
+            let scans = [scan, turned];
+            let mut mapper = NoOcclusion::new(&model);
+            scans.iter().for_each(|scan| mapper.integrate(scan));
+            let expected = ray_by_ray(&model, &scans);
+            let bits = |values: &[f64]| values.iter().map(|p| p.to_bits()).collect::<Vec<_>>();
+            prop_assert_eq!(bits(mapper.pairs().marginal.values()), bits(expected.marginal.values()));
+            prop_assert_eq!(bits(&mapper.pairs().both), bits(&expected.both));
+        }
     }
 }

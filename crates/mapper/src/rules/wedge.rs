@@ -1,5 +1,7 @@
 //! Wedges: the part of the plane that a ray of a scan speaks for, where rules take beams to be as wide as they are apart.
 
+use std::ops::Range;
+
 use grid::GridSpec;
 use sensor::{Ray, Scan};
 
@@ -64,8 +66,8 @@ impl Wedge {
     }
 }
 
-/// Calls `visit` with every cell of the grid that meets a triangle (m), once each, row by row. O(rows + cells).
-pub(crate) fn cells_of_triangle(spec: &GridSpec, corners: [[f64; 2]; 3], mut visit: impl FnMut(usize)) {
+/// Calls `visit` with every row of the grid that meets a triangle (m), and with those of its columns that do. O(rows).
+pub(crate) fn cells_of_triangle(spec: &GridSpec, corners: [[f64; 2]; 3], mut visit: impl FnMut(usize, Range<usize>)) {
     let in_cells = |point: [f64; 2]| [0, 1].map(|axis| (point[axis] - spec.origin_m[axis]) / spec.cell_m);
     let corners = corners.map(in_cells);
     let [bottom, top] = ends(corners.iter().map(|corner| corner[1]));
@@ -76,8 +78,7 @@ pub(crate) fn cells_of_triangle(spec: &GridSpec, corners: [[f64; 2]; 3], mut vis
     for row in bottom.max(0.0).floor() as usize..=last {
         let [left, right] = across(&corners, row as f64);
         if left <= right && right >= 0.0 && left < spec.width as f64 {
-            let columns = left.max(0.0).floor() as usize..=(right.floor() as usize).min(spec.width - 1);
-            columns.for_each(|column| visit(spec.index(column, row)));
+            visit(row, left.max(0.0).floor() as usize..(right.floor() as usize).min(spec.width - 1) + 1);
         }
     }
 }
@@ -85,15 +86,24 @@ pub(crate) fn cells_of_triangle(spec: &GridSpec, corners: [[f64; 2]; 3], mut vis
 /// From where to where, along x, a triangle reaches in the row `from ..= from + 1`.
 fn across(corners: &[[f64; 2]; 3], from: f64) -> [f64; 2] {
     let to = from + 1.0;
-    let inside = corners.iter().filter(|corner| (from..=to).contains(&corner[1])).map(|corner| corner[0]);
-    let sides = [0, 1, 2].map(|k| (corners[k], corners[(k + 1) % 3]));
-    let crossings = sides.into_iter().flat_map(|(a, b)| {
-        [from, to].into_iter().filter_map(move |y| {
+    let [mut least, mut most] = [f64::INFINITY, f64::NEG_INFINITY];
+    let mut reach = |x: f64| (least, most) = (if x < least { x } else { least }, if x > most { x } else { most });
+    for k in 0..3 {
+        let (a, b) = (corners[k], corners[(k + 1) % 3]);
+        if (from..=to).contains(&a[1]) {
+            reach(a[0]);
+        }
+        if (a[1] < from && b[1] < from) || (a[1] > to && b[1] > to) {
+            continue;
+        }
+        for y in [from, to] {
             let share = (y - a[1]) / (b[1] - a[1]);
-            (0.0..=1.0).contains(&share).then(|| a[0] + share * (b[0] - a[0]))
-        })
-    });
-    ends(inside.chain(crossings))
+            if (0.0..=1.0).contains(&share) {
+                reach(a[0] + share * (b[0] - a[0]));
+            }
+        }
+    }
+    [least, most]
 }
 
 /// The least and the largest.
@@ -131,7 +141,7 @@ mod tests {
                 - (corners[1][1] - corners[0][1]) * (corners[2][0] - corners[0][0]);
             prop_assume!(area.abs() > 1e-3);
             let mut met = vec![0; SPEC.cells()];
-            cells_of_triangle(&SPEC, corners, |cell| met[cell] += 1);
+            cells_of_triangle(&SPEC, corners, |row, columns| columns.for_each(|column| met[SPEC.index(column, row)] += 1));
             for (cell, met) in met.into_iter().enumerate() {
                 let gap = gap(SPEC.centre(cell), 0.05, &corners);
                 if gap.abs() > 1e-9 {

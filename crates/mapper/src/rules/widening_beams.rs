@@ -110,9 +110,10 @@ impl WideningBeamsMapper {
     /// Updates the cells of a triangle.
     fn add(&mut self, corners: [[f64; 2]; 3], probability: f64) {
         let (spec, step) = (*self.map.spec(), log_odds(probability));
-        cells_of_triangle(&spec, corners, |cell| {
-            self.map.add(cell, step);
-            self.cells += 1;
+        let (mut odds, cells) = (self.map.change(), &mut self.cells);
+        cells_of_triangle(&spec, corners, |row, columns| {
+            *cells += columns.len() as u64;
+            odds.add(row * spec.width + columns.start..row * spec.width + columns.end, step);
         });
     }
 }
