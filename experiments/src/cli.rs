@@ -25,8 +25,10 @@ use crate::commands::tune::{self, TuneOptions};
 use crate::exit;
 use crate::failure::Failure;
 use crate::jobs::memory;
-use crate::output::args::{Given, SceneOptions};
+use crate::output::args::Given;
 use crate::programs::watcher;
+use crate::worlds::scenes::SceneOptions;
+use crate::worlds::shipped;
 
 /// Tells good maps from bad ones: simulates a robot with a stereo camera, maps what it sees by
 /// several rules, and scores the maps against the truth.
@@ -95,6 +97,7 @@ pub fn main() -> ExitCode {
     if let Some(code) = watcher::if_asked() {
         return code;
     }
+    strict::bring(shipped::FILES);
     let matches = Cli::command().get_matches();
     let mut command = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit()).command;
     let given = matches.subcommand().map(|(_, options)| Given::of(options)).unwrap_or_default();

@@ -12,4 +12,5 @@ pub mod mappers;
 pub mod reading;
 pub mod run;
 pub mod scenes;
+pub mod shipped;
 pub mod site;

@@ -6,10 +6,10 @@ use score::{Sight, Sightings};
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
-use crate::output::args::SceneOptions;
 use crate::output::table::{Table, aligned, rounded};
 use crate::output::warn;
 use crate::worlds::run::Ground;
+use crate::worlds::scenes::SceneOptions;
 
 /// Loads the scene, drives its route, and prints what there is.
 ///

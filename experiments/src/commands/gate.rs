@@ -35,6 +35,7 @@ use crate::jobs::interruption;
 use crate::output::{note, single};
 use crate::programs::{times, watcher};
 use crate::worlds::mappers::own as programs;
+use crate::worlds::shipped;
 
 /// The command line of a program of your own: gates on your mappers and the built-in ones.
 ///
@@ -73,6 +74,7 @@ pub fn run(options: &GateOptions) -> Result<(), Failure> {
 pub fn run_with(options: &GateOptions, own: &[Entry]) -> Result<(), Failure> {
     let start = Instant::now();
     interruption::watch();
+    strict::bring(shipped::FILES);
     let asked = Asked::new(options, own)?;
     if options.update {
         return update(options, asked);

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 
 use crate::output::args::{count, number};
+use crate::worlds::scenes::scene;
 
 /// What `scene` does.
 #[derive(Debug, Subcommand)]
@@ -55,8 +56,8 @@ pub struct FromMapOptions {
 /// Options of `scene generate`.
 #[derive(Debug, Args)]
 pub struct GenerateOptions {
-    /// File of a family of scenes
-    #[arg(value_name = "FAMILY")]
+    /// Family of scenes: a name of `list`, or a file
+    #[arg(value_name = "FAMILY", value_parser = scene())]
     pub family: PathBuf,
     /// Which scene of the family
     #[arg(long, value_name = "N", default_value_t = scene::Set::FIRST_TEST, allow_negative_numbers = true)]
