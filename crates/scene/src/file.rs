@@ -128,7 +128,7 @@ enum Ground {
     /// Nothing but its own obstacles.
     Bare,
     /// A map that a robot built.
-    Map(map::Map),
+    Map(Box<map::Map>),
     /// A floor plan.
     Plan(plan::Plan),
     /// A map or plan that cannot be used.
@@ -144,7 +144,7 @@ fn ground(root: &Table, path: &Path, found: &mut Findings) -> Ground {
     let (map, plan) = (map::read(root, path, found), plan::read(root, path, found));
     match (found.take(map), found.take(plan)) {
         (None, _) | (_, None) => Ground::Refused,
-        (Some(Some(map)), _) => Ground::Map(map),
+        (Some(Some(map)), _) => Ground::Map(Box::new(map)),
         (_, Some(Some(plan))) => Ground::Plan(plan),
         _ => Ground::Bare,
     }

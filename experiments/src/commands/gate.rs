@@ -9,6 +9,7 @@ pub mod door;
 pub mod file;
 pub mod measure;
 pub mod options;
+mod schema;
 pub mod source;
 pub mod tables;
 pub mod update;
@@ -25,6 +26,7 @@ use clap::Parser as _;
 use mapper::catalogue::{Entry, MAPPERS};
 
 pub use self::options::GateOptions;
+pub use self::schema::schema;
 
 use self::file::{Gate, Gates};
 use self::measure::Values;

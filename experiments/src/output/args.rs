@@ -67,16 +67,16 @@ impl Given {
 #[derive(Debug, Clone, Args)]
 pub struct PriorOptions {
     /// Probability that an unseen cell is occupied
-    #[arg(long = "prior", value_name = "P", default_value_t = Prior::default().occupancy, allow_negative_numbers = true, value_parser = probability)]
+    #[arg(long = "prior", help_heading = "What mappers assume before the first reading", value_name = "P", default_value_t = Prior::default().occupancy, allow_negative_numbers = true, value_parser = probability)]
     pub occupancy: f64,
     /// Correlation of cells 5 cm apart
-    #[arg(long, value_name = "C", default_value_t = Prior::default().correlation, allow_negative_numbers = true, value_parser = probability)]
+    #[arg(long, help_heading = "What mappers assume before the first reading", value_name = "C", default_value_t = Prior::default().correlation, allow_negative_numbers = true, value_parser = probability)]
     pub correlation: f64,
     /// How the correlation follows the cell size
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, help_heading = "What mappers assume before the first reading", value_enum, default_value_t)]
     pub correlation_law: Law,
     /// What becomes of neighbouring cells that no ray of a scan runs along
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, help_heading = "What mappers assume before the first reading", value_enum, default_value_t)]
     pub reconciliation: Edges,
 }
 

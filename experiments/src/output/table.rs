@@ -167,6 +167,25 @@ pub fn aligned(heads: &[&str], rows: &[Vec<String>]) -> String {
     lines.join("\n") + "\n"
 }
 
+/// The columns of whoever reads stdout: of the terminal, else of the variable COLUMNS; none where nobody says.
+pub fn width() -> Option<usize> {
+    screen(terminal_size::terminal_size_of(io::stdout()))
+}
+
+/// As [`width`], of stderr.
+pub fn width_of_notes() -> Option<usize> {
+    screen(terminal_size::terminal_size_of(io::stderr()))
+}
+
+fn screen(terminal: Option<(terminal_size::Width, terminal_size::Height)>) -> Option<usize> {
+    let variable = || std::env::var("COLUMNS").ok()?.parse().ok();
+    let columns = terminal.map(|(width, _)| usize::from(width.0)).or_else(variable);
+    columns.map(|columns: usize| columns.max(NARROWEST))
+}
+
+/// No screen is taken to be narrower, in columns.
+const NARROWEST: usize = 30;
+
 /// A text in lines of at most so many columns, as far as its words allow.
 pub fn wrapped(text: &str, width: usize) -> Vec<String> {
     let mut lines = vec![String::new()];

@@ -10,7 +10,9 @@ use crate::worlds::scenes::scene;
 /// What `scene` does.
 #[derive(Debug, Subcommand)]
 pub enum SceneCommand {
-    /// Print the scene file of a layout
+    /// Write a commented scene to begin with
+    New(NewOptions),
+    /// Print the scene file of a layout of a family
     Generate(GenerateOptions),
     /// Make a scene of a ROS map (YAML, with PGM or PNG): a route through all that the robot can reach
     FromMap(FromMapOptions),
@@ -51,6 +53,17 @@ pub struct FromMapOptions {
     /// Horizontal field of view of the camera, degrees
     #[arg(long, value_name = "DEG", default_value_t = 80.0, allow_negative_numbers = true, value_parser = field_of_view)]
     pub camera_field_of_view: f64,
+}
+
+/// Options of `scene new`.
+#[derive(Debug, Args)]
+pub struct NewOptions {
+    /// Scene file to write, with or without .toml
+    #[arg(value_name = "NAME")]
+    pub file: PathBuf,
+    /// Replace the file if it is there already
+    #[arg(long)]
+    pub force: bool,
 }
 
 /// Options of `scene generate`.
