@@ -9,7 +9,7 @@ use serde_json::json;
 
 use crate::failure::Failure;
 use crate::output::args::FormatOption;
-use crate::output::table::Table;
+use crate::output::table::{Table, width, wrapped};
 use crate::worlds::scenes::{SCENES, SWEEPS};
 
 /// Options of `list`.
@@ -59,14 +59,17 @@ impl Listed {
 }
 
 fn text(all: &[Listed]) -> String {
-    let mut text = String::new();
+    let (mut text, room) = (String::new(), width().map_or(usize::MAX, |width| width.saturating_sub(25)));
     for (number, group) in all.chunk_by(|a, b| a.kind == b.kind).enumerate() {
         text += if number == 0 { "" } else { "\n" };
         text += &match group[0].kind {
             "family" => "families, one scene per layout\n".to_owned(),
             kind => format!("{kind}s\n"),
         };
-        group.iter().for_each(|Listed { name, summary, .. }| text += &format!("  {name:22} {summary}\n"));
+        for Listed { name, summary, .. } in group {
+            let lines = wrapped(summary, room);
+            text += &format!("  {name:22} {}\n", lines.join(&format!("\n{:25}", "")));
+        }
     }
     text
 }
