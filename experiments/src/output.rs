@@ -8,6 +8,7 @@ pub mod map;
 pub mod paint;
 pub mod publication;
 pub mod record;
+pub mod screen;
 pub mod single;
 pub mod table;
 
@@ -21,7 +22,7 @@ pub fn warn(warnings: &[impl Display]) {
 
 /// Prints a line to stderr, in a terminal as several that end between words: nobody may be listening.
 pub fn note(line: impl Display) {
-    let line = table::fitted(&line.to_string(), table::width_of_notes());
+    let line = screen::fitted(&line.to_string(), screen::width_of_notes());
     let headed =
         ["error", "warning"].into_iter().find_map(|word| Some((word, line.strip_prefix(word)?.strip_prefix(':')?)));
     let shown = headed.map(|(word, rest)| format!("{}{rest}", paint::heading(word)));

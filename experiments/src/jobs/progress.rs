@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 
-use crate::output::{note, table};
+use crate::output::{note, screen};
 
 /// So long the pace is watched before it is told what is left.
 const WATCHED: Duration = Duration::from_secs(5);
@@ -201,8 +201,8 @@ impl Bar {
 
     /// Says something below the bar, in lines that end between words.
     fn say(&self, text: &str) {
-        let width = table::width_of_notes().map_or(WIDEST, |width| width.min(WIDEST));
-        self.shown.set_message(table::wrapped(text, width - 1).join("\n"));
+        let width = screen::width_of_notes().map_or(WIDEST, |width| width.min(WIDEST));
+        self.shown.set_message(screen::wrapped(text, width - 1).join("\n"));
     }
 
     fn inc(&self, by: u64) {
