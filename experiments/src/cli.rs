@@ -1,12 +1,16 @@
 //! The command line: the tree of commands.
 
+mod help;
+
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
 use crate::commands::calibrate::{self, CalibrateOptions};
-use crate::commands::check;
+use crate::commands::check::{self, CheckOptions};
 use crate::commands::compare::{self, CompareOptions};
+use crate::commands::completions::{self, CompletionsOptions};
 use crate::commands::convert::{self, ConvertOptions};
 use crate::commands::estimate;
 use crate::commands::gate::{self, GateOptions};
@@ -17,6 +21,7 @@ use crate::commands::replay::{self, ReplayOptions};
 use crate::commands::report::{self, ReportOptions};
 use crate::commands::room::{self, RoomOptions};
 use crate::commands::scene::{self, SceneCommand};
+use crate::commands::schema::{self, SchemaOptions, Schemas};
 use crate::commands::score::{self, ScoreOptions};
 use crate::commands::sensor::{self, SensorOptions};
 use crate::commands::speed::{self, SpeedOptions};
@@ -25,16 +30,24 @@ use crate::commands::tune::{self, TuneOptions};
 use crate::exit;
 use crate::failure::Failure;
 use crate::jobs::memory;
-use crate::output::args::{Given, SceneOptions};
+use crate::output::args::Given;
+use crate::output::table;
 use crate::programs::watcher;
+use crate::worlds::scenes::SceneOptions;
+use crate::worlds::shipped;
+
+/// The names that the program goes by.
+const NAMES: [&str; 2] = ["experiments", "sightgrid"];
+
+/// No help is wider, in columns.
+const WIDEST: usize = 100;
 
 /// Tells good maps from bad ones: simulates a robot with a stereo camera, maps what it sees by
 /// several rules, and scores the maps against the truth.
 #[derive(Debug, Parser)]
 #[command(
-    name = "experiments",
-    version,
-    max_term_width = 100,
+    version = env!("SIGHTGRID_VERSION"),
+    max_term_width = WIDEST,
     after_help = "Exit codes: 0 done, 1 internal or I/O error, 2 usage or bad input, 3 a claim does not hold or a gate fails, \
                   75 interrupted, run again to go on, 130 Ctrl-C."
 )]
@@ -47,21 +60,21 @@ struct Cli {
 /// The experiments.
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// The paper's room experiment (Section 3.3, Figures 11-14): simulate, map, score, show
+    /// Map one place by several rules: every map scored, drawn and shown in a report (paper: Section 3.3, Figures 11-14)
     Room(RoomOptions),
-    /// All mappers over many generated worlds, with the statistics to say which is better, where and by how much
+    /// Say which mapper is better, where, by how much and how surely, over many generated worlds
     Compare(CompareOptions),
-    /// Check maps against bounds and baselines, for the build to fail when they get worse
+    /// Fail the build when maps get worse: against bounds, baselines or another mapper
     Gate(GateOptions),
-    /// Many settings over many worlds, in shards that run anywhere, as one table
+    /// One table of many settings over many worlds, in shards that run anywhere
     Sweep(SweepOptions),
-    /// Fit the parameters of mappers on the tuning set, which no result is reported on
+    /// Fit the parameters of mappers, on worlds that no result is reported on
     Tune(TuneOptions),
-    /// One viewing ray and one reading by every rule (Section 3.2, Figures 8-10)
+    /// Show what every rule makes of one reading on one viewing ray (paper: Section 3.2, Figures 8-10)
     Ray(RayOptions),
-    /// What a camera's reading says of range: its density and its kernel (Section 3.1, Figures 6 and 7)
+    /// Show what a camera's reading says of range: its density and its kernel (paper: Section 3.1, Figures 6 and 7)
     Sensor(SensorOptions),
-    /// What every mapper costs on this machine, side by side: time per cell, ray and scan, and memory
+    /// Measure what every mapper costs on this machine: time per cell, ray and scan, and memory
     Speed(SpeedOptions),
     /// Map what a real robot recorded, and score the maps by how well they predict scans kept back
     Replay(Box<ReplayOptions>),
@@ -74,15 +87,21 @@ enum Command {
     /// Convert a map between ROS YAML and image, NPY and PNG, cell by cell
     Convert(ConvertOptions),
     /// Check a scene file and say what it holds, without mapping anything
-    Check(SceneOptions),
-    /// Make a scene file: from a family of scenes, a robot's map or a floor plan
+    Check(CheckOptions),
+    /// Make a scene file: a new one, or from a family of scenes, a robot's map or a floor plan
     #[command(subcommand)]
     Scene(SceneCommand),
-    /// Estimate prior, correlation and mean obstacle length (Section 3.2) from a scene's ground truth
+    /// Estimate prior, correlation and mean obstacle length from a scene's ground truth (paper: Section 3.2)
     Estimate(SceneOptions),
+    /// Print the JSON schema of a kind of file, by which editors complete it
+    Schema(SchemaOptions),
+    /// Print the completions of a shell, for its start-up file
+    Completions(CompletionsOptions),
+    /// Print a manual page: man > sightgrid.1
+    Man,
     /// Print a page of the guide, or which there are
     Guide(GuideOptions),
-    /// List experiments, mappers, scenes and families of scenes at hand
+    /// List commands, mappers, scenes, families and sweeps at hand
     List(ListOptions),
 }
 
@@ -95,7 +114,8 @@ pub fn main() -> ExitCode {
     if let Some(code) = watcher::if_asked() {
         return code;
     }
-    let matches = Cli::command().get_matches();
+    strict::bring(shipped::FILES);
+    let matches = help::grouped(command(), table::width().unwrap_or(WIDEST).min(WIDEST)).get_matches();
     let mut command = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit()).command;
     let given = matches.subcommand().map(|(_, options)| Given::of(options)).unwrap_or_default();
     match &mut command {
@@ -104,6 +124,13 @@ pub fn main() -> ExitCode {
         _ => {}
     }
     exit::code(memory::guarded(|| run(command)))
+}
+
+/// The command line, by the name that it was started by.
+fn command() -> clap::Command {
+    let started = std::env::args_os().next().unwrap_or_default();
+    let own = Path::new(&started).file_stem().is_some_and(|stem| stem == NAMES[1]);
+    Cli::command().name(NAMES[usize::from(own)])
 }
 
 fn run(command: Command) -> Result<(), Failure> {
@@ -124,6 +151,9 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Check(options) => check::run(&options),
         Command::Scene(command) => scene::run(&command),
         Command::Estimate(options) => estimate::run(&options),
+        Command::Schema(options) => schema::run(&options, &Schemas { sweep: sweep::schema, gate: gate::schema }),
+        Command::Completions(options) => completions::run(&options, self::command()),
+        Command::Man => completions::man(self::command()),
         Command::Guide(options) => guide::run(&options),
         Command::List(options) => list::run(&options, Cli::command().get_subcommands()),
     }

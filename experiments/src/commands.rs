@@ -3,6 +3,7 @@
 pub mod calibrate;
 pub mod check;
 pub mod compare;
+pub mod completions;
 pub mod convert;
 pub mod estimate;
 pub mod gate;
@@ -13,6 +14,7 @@ pub mod replay;
 pub mod report;
 pub mod room;
 pub mod scene;
+pub mod schema;
 pub mod score;
 pub mod sensor;
 pub mod speed;

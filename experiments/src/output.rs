@@ -5,8 +5,10 @@ pub mod digest;
 pub mod folder;
 pub mod ledger;
 pub mod map;
+pub mod paint;
 pub mod publication;
 pub mod record;
+pub mod screen;
 pub mod single;
 pub mod table;
 
@@ -18,7 +20,11 @@ pub fn warn(warnings: &[impl Display]) {
     warnings.iter().for_each(|warning| note(format_args!("warning: {warning}")));
 }
 
-/// Prints a line to stderr: nobody may be listening.
+/// Prints a line to stderr, in a terminal as several that end between words: nobody may be listening.
 pub fn note(line: impl Display) {
-    let _ = writeln!(std::io::stderr(), "{line}");
+    let line = screen::fitted(&line.to_string(), screen::width_of_notes());
+    let headed =
+        ["error", "warning"].into_iter().find_map(|word| Some((word, line.strip_prefix(word)?.strip_prefix(':')?)));
+    let shown = headed.map(|(word, rest)| format!("{}{rest}", paint::heading(word)));
+    let _ = writeln!(anstream::stderr(), "{}", shown.unwrap_or(line));
 }

@@ -12,4 +12,6 @@ pub mod mappers;
 pub mod reading;
 pub mod run;
 pub mod scenes;
+pub mod schema;
+pub mod shipped;
 pub mod site;

@@ -483,3 +483,60 @@ fn a_floor_plan_and_a_map_become_scenes_that_are_valid() {
     fs::write(at("m.yaml"), yaml).expect("written");
     assert_eq!(place.expect(0, &["scene", "from-map", "m.yaml", "--out", "closed.toml"]).1, "");
 }
+
+#[test]
+fn check_reports_every_mistake_of_a_file_in_its_order() {
+    let place = Place::new();
+    let scene = r#"nam = "x"
+[bounds]
+min = [0.0, 0.0]
+max = [4.0, 3.0]
+[[box]]
+center = [1.0]
+size = [0.1, -1.0]
+[[disc]]
+center = [9.0, 1.0]
+radius = 0.1
+[waypoints]
+A = [1.0, 1.0]
+B = [30.0, 1.0]
+[route]
+stops = ["A", "B", "Z"]
+[camera]
+columns = 1.5
+field_of_view = 70
+[sensor]
+correct_match = 1.2
+persistence = 0.5
+[robot]
+radius = "0.2"
+speed = 0
+"#;
+    fs::write(place.path().join("bad.toml"), scene).expect("writable");
+    let (out, err) = place.expect(2, &["check", "bad"]);
+    assert_eq!(out, "");
+    insta::assert_snapshot!(err);
+    let (_, one) = place.expect(2, &["room", "--scene", "bad"]);
+    assert_eq!(one.lines().count(), 1, "other commands name the first: {one}");
+    fs::write(place.path().join("family.toml"), FAMILY.replace("kind", "knd").replace("name = ", "name = 3 #"))
+        .expect("writable");
+    let (_, err) = place.expect(2, &["check", "family.toml"]);
+    assert!(err.lines().count() >= 2 && err.contains(": name = 3"), "{err}");
+}
+
+#[test]
+fn a_new_scene_is_valid_and_is_not_written_over() {
+    let place = Place::new();
+    place.expect(0, &["scene", "new", "my-room"]);
+    let (out, err) = place.expect(0, &["check", "my-room", "--show"]);
+    assert_eq!(err, "", "nothing is suspicious");
+    assert!(out.lines().all(|line| line.chars().count() <= 80), "{out}");
+    assert!(out.lines().any(|line| line.starts_with('#') && line.contains("A.")), "{out}");
+    fs::write(place.path().join("my-room.toml"), "mine").expect("writable");
+    let (_, err) = place.expect(2, &["scene", "new", "my-room.toml"]);
+    assert!(err.contains("my-room.toml"), "{err}");
+    place.expect(0, &["scene", "new", "my-room.toml", "--force"]);
+    for bad in ["a b", "x.json", "", "..", "sub/a b.toml", &"x".repeat(33)] {
+        place.expect(2, &["scene", "new", bad]);
+    }
+}

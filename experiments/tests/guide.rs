@@ -29,7 +29,7 @@ fn pages(folder: &str) -> Vec<PathBuf> {
 fn documents() -> Vec<PathBuf> {
     let crates = fs::read_dir(root().join("crates")).expect("a folder").map(|entry| entry.expect("readable").path());
     let readmes = crates.map(|folder| folder.join("README.md")).filter(|path| path.exists());
-    ["README.md", "scenes/README.md", "experiments/MAPPERS.md"]
+    ["README.md", "scenes/README.md", "scenes/logs/README.md", "scenes/maps/README.md", "experiments/MAPPERS.md"]
         .map(|name| root().join(name))
         .into_iter()
         .chain(pages("experiments/guide"))
@@ -52,10 +52,11 @@ fn prose(text: &str) -> String {
     prose
 }
 
-/// The targets of links and pictures.
+/// The targets of links and pictures, and those that stand on a line of their own, as `[name]: target`.
 fn links(prose: &str) -> Vec<String> {
     let after = prose.split("](").skip(1).filter_map(|rest| rest.split_once(')'));
-    after.map(|(target, _)| target.to_owned()).collect()
+    let named = prose.lines().filter_map(|line| line.strip_prefix('[')?.split_once("]: "));
+    after.map(|(target, _)| target).chain(named.map(|(_, target)| target)).map(str::to_owned).collect()
 }
 
 /// The anchors of a document, as GitHub and mdBook make them of headings.

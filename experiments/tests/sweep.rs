@@ -405,7 +405,7 @@ fn bad_input_is_one_line_with_its_place() {
     refused(&["plan", "sweep.toml", "--shards", "0"], "--shards");
     refused(&["run", "nowhere"], "manifest.jsonl: cannot be read");
     refused(&["run"], "DIR");
-    refused(&[], "SWEEP.toml");
+    refused(&[], "<SWEEP>");
     refused(&["sweep.toml", "--threads", "0"], "--threads");
     sweep(place, 0, &["plan", "sweep.toml", "--out", "o"]);
     refused(&["run", "o", "--shard", "64"], "--shard 64: must be 0 to 63");

@@ -2,12 +2,12 @@
 
 mod foreign;
 
-use std::fs::File;
 use std::io::{self, BufRead, BufReader, Cursor, Read};
 use std::path::Path;
 
 use bzip2::read::MultiBzDecoder;
 use flate2::bufread::MultiGzDecoder;
+use strict::Opened;
 
 use crate::error::LogError;
 
@@ -18,12 +18,12 @@ const START: usize = 4096;
 const BLOCKS: [[u8; 6]; 2] = [*b"1AY&SY", *b"\x17\x72\x45\x38\x50\x90"];
 
 /// Opens a file; with `again`, one that can be read more than once.
-pub(crate) fn file(path: &Path, again: bool) -> Result<File, LogError> {
+pub(crate) fn file(path: &Path, again: bool) -> Result<Opened, LogError> {
     let place = || path.display().to_string();
     let file = strict::opened(path).map_err(|source| LogError::Unreadable { place: place(), source })?;
-    match file.metadata() {
-        Ok(metadata) if metadata.is_dir() => Err(LogError::Folder { place: place() }),
-        Ok(metadata) if again && !metadata.is_file() => Err(LogError::Pipe { place: place() }),
+    match &file {
+        file if file.is_folder() => Err(LogError::Folder { place: place() }),
+        file if again && !file.is_file() => Err(LogError::Pipe { place: place() }),
         _ => Ok(file),
     }
 }

@@ -36,6 +36,14 @@ impl SceneError {
         Self::Invalid { place, problem: Box::new(problem) }
     }
 
+    /// Where it is, unless the file cannot be read at all.
+    pub fn place(&self) -> Option<&Place> {
+        match self {
+            Self::Unreadable { .. } => None,
+            Self::Invalid { place, .. } => Some(place),
+        }
+    }
+
     /// What the error comes from.
     pub fn kind(&self) -> ErrorKind {
         match self {

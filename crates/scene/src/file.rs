@@ -6,6 +6,7 @@ pub(crate) mod camera;
 mod cells;
 pub(crate) mod edit;
 mod family;
+mod findings;
 mod fit;
 pub mod limits;
 mod map;
@@ -18,11 +19,13 @@ mod route;
 
 use std::path::Path;
 
+use grid::{GridSpec, Raster};
 use strict::Table;
 
-pub(crate) use family::is_family;
-
-use crate::{Problem, Scene, SceneError};
+use self::bounds::Extent;
+pub(crate) use self::family::is_family;
+use self::findings::{Findings, first};
+use crate::{Obstacle, Problem, Scene, SceneError, Warning};
 
 const KEYS: [&str; 17] = [
     "name",
@@ -59,61 +62,132 @@ impl Scene {
     /// # Errors
     /// The first problem with the text.
     pub fn parse(text: &str, path: &Path, cell_m: Option<f64>) -> Result<Self, SceneError> {
+        Self::examine(text, path, cell_m).map_err(first)
+    }
+
+    /// As [`parse`](Self::parse), for those who would rather mend all of a file at once.
+    ///
+    /// # Errors
+    /// Every problem with the text, at least one; not what would only follow from another.
+    pub fn examine(text: &str, path: &Path, cell_m: Option<f64>) -> Result<Self, Vec<SceneError>> {
         let file = path.display().to_string();
-        let (source, document) = strict::open(text, &file)?;
-        checked(&Table::new(&source, "the scene", 0, document.get_ref()), path, cell_m)
+        let (source, document) = strict::open(text, &file).map_err(|error| vec![error.into()])?;
+        let mut found = Findings::default();
+        let scene = checked(&Table::new(&source, "the scene", 0, document.get_ref()), path, cell_m, &mut found);
+        found.or(scene)
     }
 }
 
 /// Checks a scene file's table.
-fn checked(root: &Table, path: &Path, cell_m: Option<f64>) -> Result<Scene, SceneError> {
+fn checked(root: &Table, path: &Path, cell_m: Option<f64>, found: &mut Findings) -> Option<Scene> {
     if root.get("generate").is_some() {
-        return Err(SceneError::at(root.place_of("generate"), Problem::IsFamily));
+        found.add(SceneError::at(root.place_of("generate"), Problem::IsFamily));
+        return None;
     }
-    root.only(&KEYS)?;
-
-    let name = root.name("name")?;
-    let description = root.text("description")?.unwrap_or_default();
-    if root.get("map").is_some() && root.get("plan").is_some() {
-        return Err(SceneError::at(root.place_of("plan"), Problem::MapAndPlan));
+    found.only(root, &KEYS);
+    let name = found.take(root.name("name"));
+    let description = found.take(root.text("description")).flatten().unwrap_or_default();
+    let ground = ground(root, path, found);
+    let bounds = bounds::read(root, ground.extent(), found);
+    let grid = cells::read(root, bounds, cell_m, ground.cell_m(), found);
+    let within = bounds.unwrap_or(bounds::ENDLESS);
+    let (known, warnings) = (grid.as_ref().and_then(|grid| ground.known(grid)), ground.warnings());
+    let mut obstacles = bounds.map(|bounds| ground.obstacles(bounds)).unwrap_or_default();
+    obstacles.extend(obstacles::read(root, within, found));
+    let robot = camera::robot(root, found);
+    let waypoints = route::waypoints(root, within, found);
+    if let Some(waypoints) = waypoints.as_ref().filter(|_| found.count() == 0) {
+        fit::room_for_robot(root, waypoints, &obstacles, &robot, found);
     }
-    let map = map::read(root, path)?;
-    let plan = plan::read(root, path)?;
-    let extent_m = map.as_ref().map(|map| map.extent_m()).or(plan.as_ref().map(|plan| plan.extent_m()));
-    let bounds_m = bounds::read(root, extent_m)?;
-    let grid = cells::read(root, bounds_m, cell_m, map.as_ref().map_or(cells::DEFAULT_M, |map| map.cell_m()))?;
-    let warnings = map.as_ref().map(|map| map.warnings()).or(plan.as_ref().map(|plan| plan.warnings()));
-    let (known, mut obstacles) = match (map, plan) {
-        (Some(map), _) => (Some(map.known()), map.obstacles(bounds_m)),
-        (_, Some(plan)) => (Some(plan.known(&grid)), plan.obstacles(bounds_m)),
-        _ => (None, Vec::new()),
-    };
-    obstacles.extend(obstacles::read(root, bounds_m)?);
-    let robot = camera::robot(root)?;
-    let waypoints = route::waypoints(root, bounds_m)?;
-    fit::room_for_robot(root, &waypoints, &obstacles, &robot)?;
-    let stops = route::stops(root, &waypoints)?;
-    let stages = route::stages(root, &waypoints, &stops)?;
-    let regions = regions::read(root, bounds_m)?;
-    let camera = camera::camera(root)?;
-    let matcher = camera::matcher(root)?;
-    Ok(Scene {
-        name,
+    let stops = route::stops(root, waypoints.as_deref(), found);
+    let stages = route::stages(root, waypoints.as_deref(), stops.as_deref(), found);
+    let regions = regions::read(root, within, found);
+    let camera = camera::camera(root, found);
+    let matcher = camera::matcher(root, found);
+    Some(Scene {
+        name: name?,
         description,
         layout: None,
-        bounds_m,
-        grid,
+        bounds_m: bounds?,
+        grid: grid?,
         obstacles,
         known,
-        waypoints,
-        stops,
+        waypoints: waypoints?,
+        stops: stops?,
         stages,
         regions,
         camera,
         matcher,
         robot,
-        warnings: warnings.unwrap_or_default(),
+        warnings,
     })
+}
+
+/// What a scene stands on.
+enum Ground {
+    /// Nothing but its own obstacles.
+    Bare,
+    /// A map that a robot built.
+    Map(Box<map::Map>),
+    /// A floor plan.
+    Plan(plan::Plan),
+    /// A map or plan that cannot be used.
+    Refused,
+}
+
+/// The map or the plan that a scene names.
+fn ground(root: &Table, path: &Path, found: &mut Findings) -> Ground {
+    if root.get("map").is_some() && root.get("plan").is_some() {
+        found.add(SceneError::at(root.place_of("plan"), Problem::MapAndPlan));
+        return Ground::Refused;
+    }
+    let (map, plan) = (map::read(root, path, found), plan::read(root, path, found));
+    match (found.take(map), found.take(plan)) {
+        (None, _) | (_, None) => Ground::Refused,
+        (Some(Some(map)), _) => Ground::Map(Box::new(map)),
+        (_, Some(Some(plan))) => Ground::Plan(plan),
+        _ => Ground::Bare,
+    }
+}
+
+impl Ground {
+    fn extent(&self) -> Extent {
+        match self {
+            Self::Bare => Extent::None,
+            Self::Map(map) => Extent::Known(map.extent_m()),
+            Self::Plan(plan) => Extent::Known(plan.extent_m()),
+            Self::Refused => Extent::Refused,
+        }
+    }
+
+    /// The cell size where the file gives none, m.
+    fn cell_m(&self) -> f64 {
+        if let Self::Map(map) = self { map.cell_m() } else { cells::DEFAULT_M }
+    }
+
+    fn warnings(&self) -> Vec<Warning> {
+        match self {
+            Self::Map(map) => map.warnings(),
+            Self::Plan(plan) => plan.warnings(),
+            Self::Bare | Self::Refused => Vec::new(),
+        }
+    }
+
+    fn known(&self, grid: &GridSpec) -> Option<Raster<bool>> {
+        match self {
+            Self::Map(map) => Some(map.known()),
+            Self::Plan(plan) => Some(plan.known(grid)),
+            Self::Bare | Self::Refused => None,
+        }
+    }
+
+    fn obstacles(&self, bounds_m: [[f64; 2]; 2]) -> Vec<Obstacle> {
+        match self {
+            Self::Map(map) => map.obstacles(bounds_m),
+            Self::Plan(plan) => plan.obstacles(bounds_m),
+            Self::Bare | Self::Refused => Vec::new(),
+        }
+    }
 }
 
 #[cfg(test)]

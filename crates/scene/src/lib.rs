@@ -50,7 +50,7 @@ pub use error::{Problem, SceneError};
 pub use family::{Family, Set, Variation};
 pub use floor_plan::{FloorPlan, FloorPlanError};
 pub use from_map::{MadeScene, MakeError, from_map, from_plan};
-pub use load::load;
+pub use load::{examine, load};
 pub use memory::available as available_memory;
 pub use scene::{Area, Obstacle, Origin, Region, Robot, Scene, StagePlan, Stop, Waypoint};
 pub use shape::Shape;

@@ -7,6 +7,7 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::DeTable;
 
+use crate::brought::{self, Opened};
 use crate::excerpt::{LONGEST_REPORT, excerpt};
 use crate::foreign;
 use crate::likeness::near;
@@ -20,15 +21,19 @@ const MAX_BYTES: u64 = 16 << 20;
 /// Of a folder so many names are compared with a wrong one.
 const MOST_NAMES: usize = 10_000;
 
-/// Opens a file to read it.
+/// Opens a file to read it; where there is none, the one of its path that the program [brings](crate::bring).
 ///
 /// # Errors
 /// As [`File::open`]; of a file that is not there the message names one beside it that is called nearly so.
-pub fn opened(path: &Path) -> io::Result<File> {
-    File::open(path).map_err(|error| match error.kind() {
-        io::ErrorKind::NotFound => io::Error::new(error.kind(), format!("there is no such file{}", beside(path))),
-        _ => error,
-    })
+pub fn opened(path: &Path) -> io::Result<Opened> {
+    match (File::open(path), brought::content(brought::brought(), path)) {
+        (Ok(file), _) => Ok(Opened::on_disk(file)),
+        (Err(error), content) if error.kind() == io::ErrorKind::NotFound => {
+            let absent = || io::Error::new(error.kind(), format!("there is no such file{}", beside(path)));
+            content.map(Opened::brought).ok_or_else(absent)
+        }
+        (Err(error), _) => Err(error),
+    }
 }
 
 /// ` (did you mean ...?)` where a file beside `path` is called nearly so.
@@ -37,7 +42,11 @@ fn beside(path: &Path) -> String {
     let entries = std::fs::read_dir(if folder.as_os_str().is_empty() { Path::new(".") } else { folder });
     let names = entries.into_iter().flatten().take(MOST_NAMES);
     let mut names: Vec<String> = names.filter_map(|entry| entry.ok()?.file_name().into_string().ok()).collect();
+    let brought = brought::brought().iter().map(|(path, _)| Path::new(path));
+    let brought = brought.filter(|path| path.parent() == Some(folder)).filter_map(Path::file_name);
+    names.extend(brought.map(|name| name.to_string_lossy().into_owned()));
     names.sort_unstable();
+    names.dedup();
     let known: Vec<&str> = names.iter().map(String::as_str).collect();
     let near = near(&name.to_string_lossy(), &known);
     let shown = near.map(|name| excerpt(&folder.join(name).display().to_string(), LONGEST_REPORT));

@@ -18,10 +18,12 @@
 //!
 //! - [`read`] takes a text of bounded length, [`open`] parses it; what other commands read is named with them.
 //! - [`opened`] opens any file; of one that is not there the message names one beside it that is called nearly so.
+//! - [`bring`] names files that a program has within it, for folders in which they do not lie.
 //! - [`Table`] gives values that are checked where they are taken; [`Table::only`] refuses keys that nothing reads.
 //! - [`nearest`] and [`hint`] find the known name that is most like a wrong one.
 //! - [`excerpt`](excerpt()) is what messages quote of a file: one line of bounded length.
 
+mod brought;
 mod excerpt;
 mod file;
 mod foreign;
@@ -33,6 +35,7 @@ mod source;
 mod table;
 mod value;
 
+pub use brought::{Brought, Opened, bring, brought, is_file};
 pub use excerpt::{LONGEST_REPORT, LONGEST_VALUE, excerpt};
 pub use file::{open, opened, read};
 pub use likeness::{hint, nearest};

@@ -39,15 +39,21 @@ impl<'a> Table<'a> {
     /// # Errors
     /// The first such key, with those known and the nearest.
     pub fn only(&self, known: &[&str]) -> Result<(), Error> {
-        let unknown = self.entries.iter().find(|(key, _)| !known.contains(&key.get_ref().as_ref()));
-        let Some((key, _)) = unknown else { return Ok(()) };
-        let problem = Problem::UnknownKey {
-            element: self.element(),
-            key: excerpt(key.get_ref(), LONGEST_VALUE),
-            hint: hint(key.get_ref(), known),
-            known: known.join(", "),
-        };
-        Err(self.source.error(key.span().start, problem))
+        self.unknown(known).next().map_or(Ok(()), Err)
+    }
+
+    /// Every key that nothing reads, with those known and the nearest.
+    pub fn unknown<'s>(&'s self, known: &'s [&str]) -> impl Iterator<Item = Error> + 's {
+        let unknown = self.entries.iter().filter(|(key, _)| !known.contains(&key.get_ref().as_ref()));
+        unknown.map(|(key, _)| {
+            let problem = Problem::UnknownKey {
+                element: self.element(),
+                key: excerpt(key.get_ref(), LONGEST_VALUE),
+                hint: hint(key.get_ref(), known),
+                known: known.join(", "),
+            };
+            self.source.error(key.span().start, problem)
+        })
     }
 
     /// Every key with the byte at which it begins, in the order of the file.

@@ -1,22 +1,43 @@
 //! `check SCENE`: is the scene valid, and what does it hold?
 
+mod drawing;
+
+use clap::Args;
+
 use mapper::Prior;
-use scene::enclosure;
+use scene::{SceneError, enclosure};
 use score::{Sight, Sightings};
 use serde_json::{Value, json};
 
+use self::drawing::drawing;
 use crate::failure::Failure;
-use crate::output::args::SceneOptions;
 use crate::output::table::{Table, aligned, rounded};
 use crate::output::warn;
 use crate::worlds::run::Ground;
+use crate::worlds::scenes::SceneOptions;
+
+/// Options of `check`.
+#[derive(Debug, Args)]
+pub struct CheckOptions {
+    /// What to check
+    #[command(flatten)]
+    pub scene: SceneOptions,
+    /// Draw the scene in characters, above what it holds
+    #[arg(long)]
+    pub show: bool,
+}
+
+/// Columns of a drawing.
+const WIDTH: usize = 78;
 
 /// Loads the scene, drives its route, and prints what there is.
 ///
 /// # Errors
-/// The first problem with the scene or its route.
-pub fn run(options: &SceneOptions) -> Result<(), Failure> {
-    let ground = Ground::new(scene::load(&options.scene, options.grid, options.layout)?, Prior::default().occupancy)?;
+/// All that is wrong with the scene's file, a line each, in the order of the file; else the first problem with its route.
+pub fn run(options: &CheckOptions) -> Result<(), Failure> {
+    let CheckOptions { scene: options, show } = options;
+    let scene = scene::examine(&options.scene, options.grid, options.layout).map_err(all)?;
+    let ground = Ground::new(scene, Prior::default().occupancy)?;
     warn(&ground.scene.warnings);
     warn(enclosure(&ground.scene, &ground.world, &ground.drive).warning(&options.scene).as_slice());
     let facts = facts(&ground);
@@ -30,8 +51,20 @@ pub fn run(options: &SceneOptions) -> Result<(), Failure> {
         let rows: Vec<_> = facts.iter().map(|row| vec![row.0.clone(), row.1.to_string(), unit(row.2)]).collect();
         let layout = ground.scene.layout.map(|layout| format!(", layout {layout}")).unwrap_or_default();
         let table = aligned(&["item", "value", "unit"], &rows);
-        format!("{}{layout}: valid\n\n{table}", options.scene.display())
+        let drawing = if *show { drawing(&ground, WIDTH) + "\n" } else { String::new() };
+        format!("{}{layout}: valid\n\n{drawing}{table}", options.scene.display())
     })
+}
+
+/// One failure of all errors.
+fn all(mut errors: Vec<SceneError>) -> Failure {
+    errors.sort_by_key(|error| error.place().map(|place| (place.line, place.column)));
+    let all: Vec<Failure> = errors.into_iter().map(Failure::from).collect();
+    let lines = all.iter().map(ToString::to_string).collect::<Vec<_>>().join("\nerror: ");
+    match all.iter().any(|failure| matches!(failure, Failure::Internal(_))) {
+        true => Failure::Internal(lines),
+        false => Failure::BadInput(lines),
+    }
 }
 
 fn facts(ground: &Ground) -> Vec<(String, Value, &'static str)> {

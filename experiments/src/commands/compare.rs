@@ -4,6 +4,7 @@
 //! until all are done ([`journal`]); then the scores are paired and judged ([`judgement`]).
 
 mod again;
+mod board;
 pub mod claims;
 pub mod document;
 pub mod figures;
@@ -30,6 +31,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
+use self::board::Board;
 use self::findings::Findings;
 use self::journal::Journal;
 use self::options::Worlds;
@@ -118,7 +120,7 @@ fn map_worlds(plan: &Plan, out: &Path, configuration: &str) -> Result<Vec<WorldS
             format!("{done} of {all} worlds are finished and kept in {place}; run the same command again to go on");
         (done > 0).then_some(kept)
     });
-    let progress = Count::worlds(jobs.len());
+    let (progress, board) = (Count::worlds(jobs.len()), Board::default());
     let worlds = engine::each(&jobs, rayon::current_num_threads(), |job| {
         let world = match journal.read(job) {
             Some(world) => world,
@@ -130,6 +132,9 @@ fn map_worlds(plan: &Plan, out: &Path, configuration: &str) -> Result<Vec<WorldS
         };
         finished.fetch_add(1, Ordering::SeqCst);
         progress.step();
+        if progress.is_seen() {
+            progress.say(&board.with(&world));
+        }
         Ok(world)
     });
     progress.finish();

@@ -6,8 +6,8 @@ use mapper::{Estimate, Prior};
 use serde_json::json;
 
 use crate::failure::Failure;
-use crate::output::args::SceneOptions;
 use crate::output::table::{Table, aligned, optional, rounded};
+use crate::worlds::scenes::SceneOptions;
 
 /// Distances at which correlations are printed, as factors on the cell size asked for.
 const FACTORS: [f64; 4] = [0.5, 1.0, 2.0, 4.0];

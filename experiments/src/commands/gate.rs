@@ -9,6 +9,7 @@ pub mod door;
 pub mod file;
 pub mod measure;
 pub mod options;
+mod schema;
 pub mod source;
 pub mod tables;
 pub mod update;
@@ -25,6 +26,7 @@ use clap::Parser as _;
 use mapper::catalogue::{Entry, MAPPERS};
 
 pub use self::options::GateOptions;
+pub use self::schema::schema;
 
 use self::file::{Gate, Gates};
 use self::measure::Values;
@@ -35,6 +37,7 @@ use crate::jobs::interruption;
 use crate::output::{note, single};
 use crate::programs::{times, watcher};
 use crate::worlds::mappers::own as programs;
+use crate::worlds::shipped;
 
 /// The command line of a program of your own: gates on your mappers and the built-in ones.
 ///
@@ -73,6 +76,7 @@ pub fn run(options: &GateOptions) -> Result<(), Failure> {
 pub fn run_with(options: &GateOptions, own: &[Entry]) -> Result<(), Failure> {
     let start = Instant::now();
     interruption::watch();
+    strict::bring(shipped::FILES);
     let asked = Asked::new(options, own)?;
     if options.update {
         return update(options, asked);

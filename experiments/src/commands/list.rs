@@ -1,5 +1,6 @@
 //! `list`: what there is to run.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Command};
@@ -8,7 +9,8 @@ use serde_json::json;
 
 use crate::failure::Failure;
 use crate::output::args::FormatOption;
-use crate::output::table::Table;
+use crate::output::table::{Table, width, wrapped};
+use crate::worlds::scenes::{SCENES, SWEEPS};
 
 /// Options of `list`.
 #[derive(Debug, Args)]
@@ -18,10 +20,7 @@ pub struct ListOptions {
     pub print: FormatOption,
 }
 
-/// Folder in which scenes are looked for.
-const SCENES: &str = "scenes";
-
-/// Prints `experiments`, mappers, scenes and families.
+/// Prints `experiments`, mappers, scenes, families and sweeps.
 ///
 /// # Errors
 /// A stdout that cannot be written.
@@ -29,9 +28,10 @@ pub fn run<'a>(options: &ListOptions, experiments: impl Iterator<Item = &'a Comm
     let about = |command: &Command| command.get_about().map(ToString::to_string).unwrap_or_default();
     let experiment = |command: &Command| Listed::new("experiment", command.get_name(), &about(command));
     let mut all: Vec<Listed> = experiments.map(experiment).collect();
-    let mapper = |e: &Entry| Listed { source: Some(e.source), ..Listed::new("mapper", e.name, e.summary) };
+    let mapper = |e: &Entry| Listed { source: Some(e.source.to_owned()), ..Listed::new("mapper", e.name, e.summary) };
     all.extend(MAPPERS.iter().map(mapper));
-    all.extend(scenes(Path::new(SCENES)));
+    all.extend(scenes());
+    all.extend(sweeps());
     let table = Table::of(
         &all,
         &[
@@ -49,7 +49,7 @@ struct Listed {
     kind: &'static str,
     name: String,
     summary: String,
-    source: Option<&'static str>,
+    source: Option<String>,
 }
 
 impl Listed {
@@ -59,33 +59,65 @@ impl Listed {
 }
 
 fn text(all: &[Listed]) -> String {
-    let mut text = String::new();
+    let (mut text, room) = (String::new(), width().map_or(usize::MAX, |width| width.saturating_sub(25)));
     for (number, group) in all.chunk_by(|a, b| a.kind == b.kind).enumerate() {
         text += if number == 0 { "" } else { "\n" };
         text += &match group[0].kind {
             "family" => "families, one scene per layout\n".to_owned(),
             kind => format!("{kind}s\n"),
         };
-        group.iter().for_each(|Listed { name, summary, .. }| text += &format!("  {name:22} {summary}\n"));
+        for Listed { name, summary, .. } in group {
+            let lines = wrapped(summary, room);
+            text += &format!("  {name:22} {}\n", lines.join(&format!("\n{:25}", "")));
+        }
     }
     text
 }
 
-/// Files in `folder` with their kind and description: scenes first, then families, each sorted; a file that is
-/// neither is listed with the reason.
-fn scenes(folder: &Path) -> Vec<Listed> {
+/// The TOML files of `folder`, here or brought with the program, each path once, sorted.
+fn files(folder: &str) -> BTreeSet<PathBuf> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
-    let mut paths: Vec<_> = entries.filter(|path| path.extension().is_some_and(|e| e == "toml")).collect();
-    paths.sort();
+    let brought = strict::brought().iter().map(|(path, _)| PathBuf::from(path));
+    let here = brought.filter(|path| path.parent() == Some(Path::new(folder)));
+    entries.chain(here).filter(|path| path.extension().is_some_and(|e| e == "toml")).collect()
+}
+
+/// A file by the name that commands take.
+fn file(kind: &'static str, path: &Path, summary: &str) -> Listed {
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    Listed { source: Some(path.display().to_string()), ..Listed::new(kind, &name, summary) }
+}
+
+/// Scenes first, then families; a file that is neither is listed with the reason.
+fn scenes() -> Vec<Listed> {
     let describe = |path: &PathBuf| {
         let (kind, summary) = match (scene::Family::load(path), scene::load(path, None, None)) {
             (Ok(family), _) => ("family", family.description),
             (_, Ok(scene)) => ("scene", scene.description),
             (_, Err(error)) => ("scene", format!("not a valid scene: {error}")),
         };
-        Listed::new(kind, &path.display().to_string(), &summary)
+        file(kind, path, &summary)
     };
-    let mut found: Vec<Listed> = paths.iter().map(describe).collect();
+    let mut found: Vec<Listed> = files(SCENES).iter().map(describe).collect();
     found.sort_by_key(|listed| listed.kind == "family");
     found
+}
+
+/// Sweeps, each with the question that it begins with.
+fn sweeps() -> impl Iterator<Item = Listed> {
+    files(SWEEPS).into_iter().map(|path| {
+        let summary = match strict::read(&path) {
+            Ok(text) => question(&text),
+            Err(error) => format!("not a valid sweep: {error}"),
+        };
+        file("sweep", &path, &summary)
+    })
+}
+
+/// The first sentence of the comment that a text begins with.
+fn question(text: &str) -> String {
+    let comment: Vec<&str> = text.lines().map_while(|line| line.strip_prefix('#')).map(str::trim).collect();
+    let comment = comment.join(" ");
+    let end = ["? ", ". "].iter().filter_map(|end| comment.find(end)).min();
+    comment[..end.map_or(comment.len(), |at| at + 1)].to_owned()
 }

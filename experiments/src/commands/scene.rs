@@ -1,7 +1,8 @@
-//! `scene`: scene files from families of scenes, maps and floor plans.
+//! `scene`: scene files, new or from families of scenes, maps and floor plans.
 
 mod from_map;
 mod generate;
+mod new;
 mod options;
 
 pub use options::SceneCommand;
@@ -15,6 +16,7 @@ use crate::failure::Failure;
 /// The first problem with what it is made from; a file that cannot be written.
 pub fn run(command: &SceneCommand) -> Result<(), Failure> {
     match command {
+        SceneCommand::New(options) => new::run(options),
         SceneCommand::Generate(options) => generate::run(options),
         SceneCommand::FromMap(options) => from_map::run(options, Drawing::Map),
         SceneCommand::FromPlan(options) => from_map::run(options, Drawing::Plan),

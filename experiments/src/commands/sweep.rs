@@ -12,11 +12,13 @@ pub mod parameters;
 pub mod plots;
 pub mod regions;
 pub mod row;
+mod schema;
 pub mod shard;
 mod slurm;
 pub mod source;
 
 pub use options::SweepOptions;
+pub use schema::schema;
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,15 +1,22 @@
 //! Progress on stderr: a bar in a terminal; elsewhere a line, where the work will take longer than a minute.
 
+use std::fmt::Write;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 
-use crate::output::note;
+use crate::output::{note, screen};
 
 /// So long the pace is watched before it is told what is left.
 const WATCHED: Duration = Duration::from_secs(5);
+
+/// So long after its beginning a bar says what is left.
+const PACED: Duration = Duration::from_secs(2);
+
+/// No line below a bar is wider, in columns.
+const WIDEST: usize = 80;
 
 /// What takes no longer is not told.
 const SHORT: Duration = Duration::from_secs(60);
@@ -23,7 +30,7 @@ pub struct Progress {
 impl Progress {
     /// A bar over `scans` updates in all, of the mappers with the given names.
     pub fn new(scans: usize, mappers: &[&str]) -> Self {
-        let bar = Bar::new(scans as u64, "{bar:32} {pos}/{len} scans, {eta} left\n{wide_msg}");
+        let bar = Bar::new(scans as u64, "{bar:32} {pos}/{len} scans mapped{left}\n{msg}");
         Self { bar, losses: Mutex::new(mappers.iter().map(|name| ((*name).to_owned(), None)).collect()) }
     }
 
@@ -39,7 +46,7 @@ impl Progress {
             Some(loss) => format!("{name} {loss:.3}"),
             None => format!("{name} -"),
         });
-        self.bar.shown.set_message(format!("log loss: {}", shown.collect::<Vec<_>>().join(", ")));
+        self.bar.say(&format!("log loss: {}", shown.collect::<Vec<_>>().join(", ")));
     }
 
     /// Takes the bar away.
@@ -56,12 +63,12 @@ pub struct Count {
 impl Count {
     /// A bar over so many worlds, with what is left.
     pub fn worlds(worlds: usize) -> Self {
-        Self { bar: Bar::new(worlds as u64, "{bar:32} {pos}/{len} worlds, {elapsed}, {eta} left") }
+        Self { bar: Bar::new(worlds as u64, "{bar:32} {pos}/{len} worlds mapped and scored, {elapsed}{left}\n{msg}") }
     }
 
     /// A bar over so many measurements, of which some take long.
     pub fn measurements(measurements: usize) -> Self {
-        Self { bar: Bar::new(measurements as u64, "{bar:32} {pos}/{len} measurements, {elapsed}") }
+        Self { bar: Bar::new(measurements as u64, "{bar:32} {pos}/{len} measurements taken, {elapsed}") }
     }
 
     /// A count of settings, of which nobody knows how many there will be.
@@ -71,12 +78,22 @@ impl Count {
 
     /// A bar over the scans of a log, with their rate.
     pub fn scans(scans: u64) -> Self {
-        Self { bar: Bar::new(scans, "{bar:32} {pos}/{len} scans, {per_sec:.0}, {eta} left") }
+        Self { bar: Bar::new(scans, "{bar:32} {pos}/{len} scans mapped, {per_sec:.0}{left}") }
     }
 
     /// One more is finished.
     pub fn step(&self) {
         self.bar.inc(1);
+    }
+
+    /// Whether anybody sees it.
+    pub fn is_seen(&self) -> bool {
+        !self.bar.shown.is_hidden()
+    }
+
+    /// What is known so far, below the bar.
+    pub fn say(&self, text: &str) {
+        self.bar.say(text);
     }
 
     /// Takes the bar away.
@@ -151,14 +168,16 @@ pub struct Jobs {
 impl Jobs {
     /// A bar over so many jobs.
     pub fn new(jobs: u64) -> Self {
-        Self { bar: Bar::new(jobs, "{bar:28} {pos}/{len} jobs, {per_sec:.1}, {eta} left{msg}") }
+        Self { bar: Bar::new(jobs, "{bar:28} {pos}/{len} jobs, {per_sec:.1}{left}\n{msg}") }
     }
 
-    /// So many more are finished; of all so far, so many rows have an error.
-    pub fn step(&self, jobs: u64, failed: u64) {
+    /// So many more are finished; of all so far, so many rows have an error; `last` is a number of the last job.
+    pub fn step(&self, jobs: u64, failed: u64, last: Option<&str>) {
         self.bar.inc(jobs);
-        if failed > 0 {
-            self.bar.shown.set_message(format!(", {failed} failed"));
+        let failed = (failed > 0).then(|| format!("{failed} failed"));
+        let told: Vec<&str> = failed.as_deref().into_iter().chain(last).collect();
+        if !told.is_empty() {
+            self.bar.say(&told.join("; "));
         }
     }
 
@@ -178,6 +197,12 @@ struct Bar {
 impl Bar {
     fn new(length: u64, template: &str) -> Self {
         Self { shown: bar(length, template), start: Instant::now(), told: AtomicBool::new(false) }
+    }
+
+    /// Says something below the bar, in lines that end between words.
+    fn say(&self, text: &str) {
+        let width = screen::width_of_notes().map_or(WIDEST, |width| width.min(WIDEST));
+        self.shown.set_message(screen::wrapped(text, width - 1).join("\n"));
     }
 
     fn inc(&self, by: u64) {
@@ -203,7 +228,14 @@ fn left(elapsed: Duration, done: u64, of: u64) -> Option<String> {
 
 fn bar(length: u64, template: &str) -> ProgressBar {
     let bar = ProgressBar::new(length);
-    bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()));
+    let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+    // Before the pace is known, nobody knows what is left.
+    let left = |state: &ProgressState, out: &mut dyn Write| {
+        if state.pos() > 0 && state.elapsed() > PACED {
+            let _ = write!(out, ", {} left", HumanDuration(state.eta()));
+        }
+    };
+    bar.set_style(style.with_key("left", left));
     bar.enable_steady_tick(Duration::from_millis(200));
     bar
 }

@@ -1,7 +1,6 @@
 //! Options that several commands share, and the bounds of their values.
 
 use std::convert::Infallible;
-use std::path::PathBuf;
 
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, ValueEnum};
@@ -64,37 +63,20 @@ impl Given {
     }
 }
 
-/// The scene of `check` and `estimate`.
-#[derive(Debug, Args)]
-pub struct SceneOptions {
-    /// Scene file, or file of a family of scenes
-    #[arg(value_name = "SCENE")]
-    pub scene: std::path::PathBuf,
-    /// Which scene of the family [default: 1]
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    pub layout: Option<u64>,
-    /// Side of a cell in metres, instead of the scene's
-    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive)]
-    pub grid: Option<f64>,
-    /// How the table is printed
-    #[command(flatten)]
-    pub print: FormatOption,
-}
-
 /// What the mappers assume before the first reading.
 #[derive(Debug, Clone, Args)]
 pub struct PriorOptions {
     /// Probability that an unseen cell is occupied
-    #[arg(long = "prior", value_name = "P", default_value_t = Prior::default().occupancy, allow_negative_numbers = true, value_parser = probability)]
+    #[arg(long = "prior", help_heading = "What mappers assume before the first reading", value_name = "P", default_value_t = Prior::default().occupancy, allow_negative_numbers = true, value_parser = probability)]
     pub occupancy: f64,
     /// Correlation of cells 5 cm apart
-    #[arg(long, value_name = "C", default_value_t = Prior::default().correlation, allow_negative_numbers = true, value_parser = probability)]
+    #[arg(long, help_heading = "What mappers assume before the first reading", value_name = "C", default_value_t = Prior::default().correlation, allow_negative_numbers = true, value_parser = probability)]
     pub correlation: f64,
     /// How the correlation follows the cell size
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, help_heading = "What mappers assume before the first reading", value_enum, default_value_t)]
     pub correlation_law: Law,
     /// What becomes of neighbouring cells that no ray of a scan runs along
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, help_heading = "What mappers assume before the first reading", value_enum, default_value_t)]
     pub reconciliation: Edges,
 }
 
@@ -161,11 +143,6 @@ pub(crate) fn probability(text: &str) -> Result<f64, String> {
 /// A name of a list, without the blanks about it.
 pub(crate) fn trimmed(text: &str) -> Result<String, Infallible> {
     Ok(text.trim().to_owned())
-}
-
-/// A file of a list, without the blanks about its name.
-pub(crate) fn trimmed_path(text: &str) -> Result<PathBuf, Infallible> {
-    Ok(PathBuf::from(text.trim()))
 }
 
 /// A finite number above 0.

@@ -1,11 +1,14 @@
 //! Tables: one value, three views.
 
+use std::collections::BTreeSet;
 use std::io::{self, Write};
 
 use serde_json::{Map, Value, json};
 
 use super::args::Format;
 use super::folder::Staging;
+use super::paint;
+pub use super::screen::{fitted, width, wrapped};
 use crate::failure::Failure;
 
 /// A table with named columns. A value that does not exist is null: an empty field in CSV.
@@ -94,7 +97,7 @@ impl Table {
     /// A stdout that cannot be written.
     pub fn print(&self, format: Format, text: impl FnOnce() -> String) -> Result<(), Failure> {
         match format {
-            Format::Text => print(&text()),
+            Format::Text => print(&paint::meaning(&fitted(&text(), width()))),
             Format::Json => print(&format!("{:#}\n", self.to_json())),
             Format::Csv => print(&String::from_utf8_lossy(&self.csv()?)),
         }
@@ -116,7 +119,7 @@ impl Table {
 /// # Errors
 /// A stdout that cannot be written.
 pub fn print(text: &str) -> Result<(), Failure> {
-    let mut out = io::stdout().lock();
+    let mut out = anstream::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             Err(Failure::Internal(format!("stdout: cannot be written: {error}")))
@@ -151,8 +154,51 @@ pub fn optional(value: Option<f64>) -> Value {
 }
 
 /// A table for reading: columns are aligned, numbers to the right, and nothing is drawn but a line
-/// under the heads.
+/// under the heads. Where the screen is narrower, it comes in blocks, each with the columns that tell rows apart.
 pub fn aligned(heads: &[&str], rows: &[Vec<String>]) -> String {
+    let blocks = width().map_or_else(|| vec![(0..heads.len()).collect()], |width| blocks(heads, rows, width));
+    let part = |block: Vec<usize>| {
+        let heads: Vec<&str> = block.iter().map(|&column| heads[column]).collect();
+        let cell = |row: &Vec<String>, column: usize| row.get(column).cloned().unwrap_or_default();
+        let rows: Vec<Vec<String>> =
+            rows.iter().map(|row| block.iter().map(|&column| cell(row, column)).collect()).collect();
+        unbroken(&heads, &rows)
+    };
+    blocks.into_iter().map(part).collect::<Vec<_>>().join("\n")
+}
+
+/// The columns that tell rows apart, the first or the first two.
+fn keys(heads: &[&str], rows: &[Vec<String>]) -> usize {
+    let first: BTreeSet<Option<&String>> = rows.iter().map(|row| row.first()).collect();
+    if first.len() == rows.len() { 1 } else { heads.len().min(2) }
+}
+
+/// The columns of each block of a table, those that tell rows apart before all others, such that a block fits into so many columns of text
+/// as far as a block with one more column can. A last column without a head belongs to the one before it.
+fn blocks(heads: &[&str], rows: &[Vec<String>], width: usize) -> Vec<Vec<usize>> {
+    let letters = |text: &str| text.chars().count();
+    let wide = |column: usize| {
+        let cells = rows.iter().filter_map(|row| row.get(column)).map(|cell| letters(cell));
+        cells.chain([letters(heads[column])]).max().unwrap_or(0)
+    };
+    let gap = 2;
+    let keys: Vec<usize> = (0..keys(heads, rows)).collect();
+    let begin = keys.iter().map(|&column| gap + wide(column)).sum::<usize>().saturating_sub(gap);
+    let (mut all, mut block, mut used) = (Vec::new(), keys.clone(), begin);
+    for column in keys.len()..heads.len() {
+        let tail = if heads.get(column + 1).is_some_and(|head| head.is_empty()) { gap + wide(column + 1) } else { 0 };
+        if block.len() > keys.len() && !heads[column].is_empty() && used + gap + wide(column) + tail > width {
+            all.push(std::mem::replace(&mut block, keys.clone()));
+            used = begin;
+        }
+        block.push(column);
+        used += gap + wide(column);
+    }
+    all.push(block);
+    all
+}
+
+fn unbroken(heads: &[&str], rows: &[Vec<String>]) -> String {
     use comfy_table::{CellAlignment, LineStyle, Table as Text, TableStyle};
     let rule = LineStyle::none().fill('─').junction('─');
     let mut text = Text::new();
@@ -167,19 +213,6 @@ pub fn aligned(heads: &[&str], rows: &[Vec<String>]) -> String {
     lines.join("\n") + "\n"
 }
 
-/// A text in lines of at most so many columns, as far as its words allow.
-pub fn wrapped(text: &str, width: usize) -> Vec<String> {
-    let mut lines = vec![String::new()];
-    for word in text.split_whitespace() {
-        match lines.last_mut() {
-            Some(line) if line.is_empty() => line.push_str(word),
-            Some(line) if line.chars().count() + 1 + word.chars().count() <= width => *line += &format!(" {word}"),
-            _ => lines.push(word.to_owned()),
-        }
-    }
-    lines
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -190,6 +223,29 @@ mod tests {
         assert_eq!(rounded(-123_456_789.0), json!(-123_457_000.0));
         assert_eq!(rounded(-0.0).to_string(), "0.0");
         assert_eq!(rounded(f64::NAN), Value::Null);
+    }
+
+    #[test]
+    fn a_table_wider_than_the_screen_comes_in_blocks() {
+        let heads = ["mapper", "log loss", "Brier", "against", ""];
+        let rows = vec![["visibility", "0.1", "0.02", "0.003", "better"].map(str::to_owned).to_vec()];
+        assert_eq!(blocks(&heads, &rows, 80), [vec![0, 1, 2, 3, 4]]);
+        assert_eq!(blocks(&heads, &rows, 30), [vec![0, 1, 2], vec![0, 3, 4]], "a verdict stays beside its number");
+        assert_eq!(blocks(&heads, &rows, 5), [vec![0, 1], vec![0, 2], vec![0, 3, 4]]);
+        assert_eq!(blocks(&heads[..1], &rows, 5), [vec![0]]);
+        let twice = [rows.clone(), rows].concat();
+        assert_eq!(blocks(&heads, &twice, 30), [vec![0, 1, 2], vec![0, 1, 3, 4]], "two columns tell rows apart");
+    }
+
+    #[test]
+    fn prose_ends_between_words_and_drawings_stay() {
+        let text = "one two three four\n  five six seven eight\na  b  c  d  e  f\n────────────────────────\n";
+        let fitted = fitted(text, Some(14));
+        assert_eq!(
+            fitted,
+            "one two three\nfour\n  five six\n  seven eight\na  b  c  d  e  f\n────────────────────────\n"
+        );
+        assert_eq!(super::fitted(text, None), text);
     }
 
     #[test]

@@ -22,10 +22,10 @@ const LONGEST_TIMEOUT_S: f64 = 604_800.0;
 #[derive(Debug, Clone, Args)]
 pub struct ProgramOptions {
     /// A program of your own as a mapper beside --mappers, such as mine='python3 mine.py' or mine='online: ./mine'; repeatable
-    #[arg(id = "mapper", long, value_name = "NAME=COMMAND", value_parser = Program::parse)]
+    #[arg(id = "mapper", long, help_heading = "Mappers of your own", value_name = "NAME=COMMAND", value_parser = Program::parse)]
     pub programs: Vec<Program>,
     /// Longest time that such a program may take for a map, s
-    #[arg(id = "mapper_timeout", long = "mapper-timeout", value_name = "SECONDS", default_value_t = TIMEOUT_S, allow_negative_numbers = true, value_parser = timeout)]
+    #[arg(id = "mapper_timeout", long = "mapper-timeout", help_heading = "Mappers of your own", value_name = "SECONDS", default_value_t = TIMEOUT_S, allow_negative_numbers = true, value_parser = timeout)]
     pub timeout_s: f64,
 }
 

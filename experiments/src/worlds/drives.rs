@@ -15,22 +15,21 @@ pub const REGION: Region = Region::All;
 
 /// Drives that are planned on every map.
 #[derive(Debug, Clone, Copy, PartialEq, Args, Serialize, Deserialize)]
-#[command(next_help_heading = "Drives planned on the maps (reached, colliding, detour)")]
 pub struct DriveOptions {
     /// Pairs of places to drive between, drawn from the truth and the same for every map; 0 for no drives
-    #[arg(long, value_name = "N", default_value_t = Planning::default().pairs as u32, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(0..=10_000))]
+    #[arg(long, help_heading = "Drives planned on the maps (reached, colliding, detour)", value_name = "N", default_value_t = Planning::default().pairs as u32, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(0..=10_000))]
     #[serde(rename = "pairs")]
     pub plan_pairs: u32,
     /// Radius of the robot's disc in metres [default: that of the scene's robot; 0.2 where the truth is a map]
-    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = radius)]
+    #[arg(long, help_heading = "Drives planned on the maps (reached, colliding, detour)", value_name = "M", allow_negative_numbers = true, value_parser = radius)]
     #[serde(rename = "robot_radius_m")]
     pub robot_radius: Option<f64>,
     /// A cell with a greater probability is an obstacle to the planner
-    #[arg(long, value_name = "P", default_value_t = Planning::default().threshold, allow_negative_numbers = true, value_parser = probability)]
+    #[arg(long, help_heading = "Drives planned on the maps (reached, colliding, detour)", value_name = "P", default_value_t = Planning::default().threshold, allow_negative_numbers = true, value_parser = probability)]
     #[serde(rename = "threshold")]
     pub plan_threshold: f64,
     /// What a cell is to the planner of which a map knows nothing
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, help_heading = "Drives planned on the maps (reached, colliding, detour)", value_enum, default_value_t)]
     #[serde(rename = "unknown")]
     pub plan_unknown: PlanUnknown,
 }

@@ -8,16 +8,15 @@ use crate::output::note;
 
 /// Where the beams of a laser go, instead of what its log says or what their number lets guess.
 #[derive(Debug, Clone, Copy, Args)]
-#[command(next_help_heading = "Beams of a laser in a CARMEN log")]
 pub struct FanArgs {
     /// Field of view, degrees [default: what the log says, else by the number of beams]
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = turn)]
+    #[arg(long, help_heading = "Beams of a laser in a CARMEN log", value_name = "DEG", allow_negative_numbers = true, value_parser = turn)]
     pub fov: Option<f64>,
     /// Bearing of the first beam to the laser's axis, degrees counter-clockwise
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = angle)]
+    #[arg(long, help_heading = "Beams of a laser in a CARMEN log", value_name = "DEG", allow_negative_numbers = true, value_parser = angle)]
     pub first_bearing: Option<f64>,
     /// From one beam to the next, degrees; negative from left to right
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = step)]
+    #[arg(long, help_heading = "Beams of a laser in a CARMEN log", value_name = "DEG", allow_negative_numbers = true, value_parser = step)]
     pub increment: Option<f64>,
 }
 

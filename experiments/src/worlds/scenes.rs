@@ -1,18 +1,71 @@
-//! Scene and family files by the names that a user gives.
+//! Scene, family and sweep files by the names that a user gives.
 
 use std::path::{Path, PathBuf};
 
+use clap::Args;
+use clap::builder::{PathBufValueParser, TypedValueParser};
 use scene::Family;
 
 use crate::failure::Failure;
+use crate::output::args::{FormatOption, positive};
 
 /// The families of generated scenes that come with the program.
-pub const FAMILIES: &str = "scenes/clutter.toml,scenes/corridors.toml,scenes/halls.toml,scenes/two-rooms.toml";
+pub const FAMILIES: &str = "clutter,corridors,halls,two-rooms";
 
-/// The file of a family or scene by what a user calls it: a bare name is `scenes/NAME.toml`.
+/// Folder of scenes and families.
+pub const SCENES: &str = "scenes";
+
+/// Folder of sweeps.
+pub const SWEEPS: &str = "experiments/sweeps";
+
+/// The scene of `check` and `estimate`.
+#[derive(Debug, Args)]
+pub struct SceneOptions {
+    /// Scene or family of scenes: a name of `list`, or a file
+    #[arg(value_name = "SCENE", value_parser = scene())]
+    pub scene: PathBuf,
+    /// Which scene of the family [default: 1]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub layout: Option<u64>,
+    /// Side of a cell in metres, instead of the scene's
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive)]
+    pub grid: Option<f64>,
+    /// How the table is printed
+    #[command(flatten)]
+    pub print: FormatOption,
+}
+
+/// The file of a family or scene by what a file calls it: a bare name is `scenes/NAME.toml`.
 pub fn path_of(name: &str) -> PathBuf {
-    let bare = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_');
-    if bare { Path::new("scenes").join(format!("{name}.toml")) } else { PathBuf::from(name) }
+    if bare(name) { Path::new(SCENES).join(format!("{name}.toml")) } else { PathBuf::from(name) }
+}
+
+/// A scene or family of the command line, as a value of clap: a file of the working folder, with or without `.toml`, goes before
+/// `scenes/NAME.toml`.
+pub(crate) fn scene() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().map(|path| named(path, SCENES))
+}
+
+/// A sweep of the command line, as [`scene`] from the folder of sweeps.
+pub(crate) fn sweep() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().map(|path| named(path, SWEEPS))
+}
+
+fn named(path: PathBuf, folder: &str) -> PathBuf {
+    // Names of a list may have blanks about them.
+    let Some(name) = path.to_str().map(str::trim) else { return path };
+    let file = format!("{name}.toml");
+    if !bare(name) || Path::new(name).exists() {
+        PathBuf::from(name)
+    } else if Path::new(&file).is_file() {
+        PathBuf::from(file)
+    } else {
+        Path::new(folder).join(file)
+    }
+}
+
+fn bare(name: &str) -> bool {
+    !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_')
 }
 
 /// The families of the given files.
@@ -43,5 +96,10 @@ mod tests {
         assert_eq!(path_of("two-rooms"), Path::new("scenes/two-rooms.toml"));
         assert_eq!(path_of("my/halls.toml"), Path::new("my/halls.toml"));
         assert_eq!(path_of("halls.toml"), Path::new("halls.toml"));
+        assert_eq!(named("two-rooms".into(), SCENES), Path::new("scenes/two-rooms.toml"));
+        assert_eq!(named(" cell-size".into(), SWEEPS), Path::new("experiments/sweeps/cell-size.toml"));
+        assert_eq!(named("./two-rooms".into(), SCENES), Path::new("./two-rooms"));
+        assert_eq!(named("Cargo".into(), SCENES), Path::new("Cargo.toml"), "one of the working folder goes before");
+        assert_eq!(named("src".into(), SCENES), Path::new("src"), "a folder is named, and refused as one");
     }
 }

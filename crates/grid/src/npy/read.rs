@@ -1,12 +1,11 @@
 //! Occupancy out of NPY files.
 
-use std::fs::File;
 use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use strict::{LONGEST_VALUE, excerpt};
+use strict::{LONGEST_VALUE, Opened, excerpt};
 
 use super::header::Header;
 use super::meaning::Meaning;
@@ -91,10 +90,10 @@ pub fn read_file_in_full(path: &Path) -> Result<Array<f64>, NpyError> {
 }
 
 /// A file and its length.
-fn opened(path: &Path) -> Result<(BufReader<File>, u64), NpyError> {
+fn opened(path: &Path) -> Result<(BufReader<Opened>, u64), NpyError> {
     let unreadable = |source| Reader { path }.unreadable(source);
     let file = strict::opened(path).map_err(unreadable)?;
-    let length = file.metadata().map_err(unreadable)?.len();
+    let length = file.length().map_err(unreadable)?;
     Ok((BufReader::new(file), length))
 }
 

@@ -62,7 +62,7 @@ impl Description {
         let unreadable = |source| RosMapError::Unreadable { path: path.into(), source };
         let mut bytes = Vec::new();
         strict::opened(path).and_then(|f| f.take(MAX_BYTES + 1).read_to_end(&mut bytes)).map_err(unreadable)?;
-        Self::parse(&bytes, path, Path::is_file)
+        Self::parse(&bytes, path, strict::is_file)
     }
 
     /// Checks the description in `bytes`; `exists` tells whether an image is there, `path` is named in messages.

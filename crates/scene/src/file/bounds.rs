@@ -2,20 +2,38 @@
 
 use strict::Table;
 
+use super::findings::Findings;
 use super::points::{ordered, point};
-use crate::{Problem, SceneError};
+use crate::Problem;
 
 /// `[bounds]`, which the extent of a map or plan may stand in for.
-pub(super) fn read(root: &Table, extent_m: Option<[[f64; 2]; 2]>) -> Result<[[f64; 2]; 2], SceneError> {
-    let Some(table) = root.section("bounds")? else {
-        return extent_m
-            .ok_or_else(|| root.missing("[bounds]", "[bounds] with min = [x, y] and max = [x, y] in m").into());
+pub(super) fn read(root: &Table, extent: Extent, found: &mut Findings) -> Option<[[f64; 2]; 2]> {
+    let Some(table) = found.take(root.section("bounds"))? else {
+        let example = "[bounds] with min = [x, y] and max = [x, y] in m";
+        return match extent {
+            Extent::Known(extent_m) => Some(extent_m),
+            Extent::Refused => None,
+            Extent::None => found.take(Err(root.missing("[bounds]", example))),
+        };
     };
-    table.only(&["min", "max"])?;
-    let bounds = [point(&table, "min")?, point(&table, "max")?];
-    ordered(&table, "max", bounds)?;
-    Ok(bounds)
+    found.only(&table, &["min", "max"]);
+    let (min, max) = (found.take(point(&table, "min")), found.take(point(&table, "max")));
+    let bounds = [min?, max?];
+    found.take(ordered(&table, "max", bounds)).map(|()| bounds)
 }
+
+/// How far the map or plan of a scene reaches.
+pub(super) enum Extent {
+    /// So far, m.
+    Known([[f64; 2]; 2]),
+    /// There is one, and it cannot be used.
+    Refused,
+    /// There is neither.
+    None,
+}
+
+/// What lies within nothing reaches out of it: where the bounds themselves are wrong.
+pub(super) const ENDLESS: [[f64; 2]; 2] = [[f64::NEG_INFINITY; 2], [f64::INFINITY; 2]];
 
 /// Refuses what reaches out of the bounds by more than rounding.
 pub(super) fn within(

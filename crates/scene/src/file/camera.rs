@@ -6,22 +6,23 @@ use strict::{Error, Limit, Table};
 
 use crate::Robot;
 
+use super::findings::Findings;
 use super::limits::{
     COLUMNS, FIELD_OF_VIEW, FOCAL_BASELINE, INTERVAL, PROBABILITY, RADIUS, REACH, SEARCH, SIGMA, SPEED, STEP, TURN_RATE,
 };
 
 /// `[camera]`: 140 columns over 80 degrees where the file is silent.
-pub(super) fn camera(root: &Table) -> Result<Camera, Error> {
+pub(super) fn camera(root: &Table, found: &mut Findings) -> Camera {
     let mut camera = Camera { columns: 140, field_of_view_rad: 80f64.to_radians() };
-    let Some(table) = root.section("camera")? else { return Ok(camera) };
-    table.only(&["columns", "field_of_view_deg"])?;
-    if let Some(columns) = table.optional_whole("columns", &COLUMNS)? {
+    let Some(table) = found.take(root.section("camera")).flatten() else { return camera };
+    found.only(&table, &["columns", "field_of_view_deg"]);
+    if let Some(columns) = found.take(table.optional_whole("columns", &COLUMNS)).flatten() {
         camera.columns = columns as usize;
     }
-    if let Some(degrees) = table.optional_number("field_of_view_deg", &FIELD_OF_VIEW)? {
+    if let Some(degrees) = found.take(table.optional_number("field_of_view_deg", &FIELD_OF_VIEW)).flatten() {
         camera.field_of_view_rad = degrees.to_radians();
     }
-    Ok(camera)
+    camera
 }
 
 /// Keys of `[sensor]` that say how mismatches cluster.
@@ -34,7 +35,11 @@ pub const CLUSTERING: [&str; 4] = ["persistence", "copies", "near_misses", "copy
 pub fn stereo(root: &Table) -> Result<Stereo, Error> {
     let mut stereo = Stereo::default();
     let Some(table) = root.section("sensor")? else { return Ok(stereo) };
-    set(&table, optics(&mut stereo))?;
+    let fields = optics(&mut stereo);
+    table.only(&fields.each_ref().map(|(key, ..)| *key))?;
+    for (key, limit, field) in fields {
+        *field = table.optional_number(key, limit)?.unwrap_or(*field);
+    }
     Ok(stereo)
 }
 
@@ -50,9 +55,10 @@ fn optics(stereo: &mut Stereo) -> [(&'static str, &'static Limit, &mut f64); 4] 
 }
 
 /// `[sensor]`: the paper's camera, an edge in 60 % of the columns, no quantisation.
-pub(super) fn matcher(root: &Table) -> Result<Matcher, Error> {
+pub(super) fn matcher(root: &Table, found: &mut Findings) -> Matcher {
     let mut matcher = Matcher::default();
-    let Some(table) = root.section("sensor")? else { return Ok(matcher) };
+    let Some(table) = found.take(root.section("sensor")).flatten() else { return matcher };
+    let before = found.count();
     let mut clustering = Clustering::default();
     let mut reach = f64::from(clustering.copy_reach);
     let [focal_baseline, sigma, correct_match, search] = optics(&mut matcher.stereo);
@@ -70,16 +76,18 @@ pub(super) fn matcher(root: &Table) -> Result<Matcher, Error> {
     ];
     let mut known = fields.each_ref().map(|(key, ..)| *key).to_vec();
     known.push("mismatches");
-    table.only(&known)?;
-    take(&table, fields)?;
-    if !clustered(&table)? {
-        return Ok(matcher);
+    found.only(&table, &known);
+    take(&table, fields, found);
+    if found.take(clustered(&table)) != Some(true) {
+        return matcher;
     }
-    table.optional_whole("copy_reach", &REACH)?;
+    found.take(table.optional_whole("copy_reach", &REACH));
     clustering.copy_reach = reach as u32;
-    possible(&table, &clustering, matcher.stereo.correct_match)?;
+    if found.count() == before {
+        found.take(possible(&table, &clustering, matcher.stereo.correct_match));
+    }
     matcher.mismatches = Mismatches::Clustered(clustering);
-    Ok(matcher)
+    matcher
 }
 
 /// Whether mismatches are clustered; refuses what is said of clusters where they are not.
@@ -126,32 +134,26 @@ fn possible(table: &Table, clustering: &Clustering, correct_match: f64) -> Resul
 }
 
 /// `[robot]`: 0.2 m, 0.5 m/s, 30 degrees per second, five scans per second.
-pub(super) fn robot(root: &Table) -> Result<Robot, Error> {
+pub(super) fn robot(root: &Table, found: &mut Findings) -> Robot {
     let (mut radius_m, mut speed_m_s, mut turn_rate_deg_s, mut scan_interval_s) = (0.2, 0.5, 30.0, 0.2);
-    if let Some(table) = root.section("robot")? {
+    if let Some(table) = found.take(root.section("robot")).flatten() {
         let fields = [
             ("radius", &RADIUS, &mut radius_m),
             ("speed", &SPEED, &mut speed_m_s),
             ("turn_rate_deg", &TURN_RATE, &mut turn_rate_deg_s),
             ("scan_interval", &INTERVAL, &mut scan_interval_s),
         ];
-        set(&table, fields)?;
+        found.only(&table, &fields.each_ref().map(|(key, ..)| *key));
+        take(&table, fields, found);
     }
-    Ok(Robot { radius_m, speed_m_s, turn_rate_rad_s: turn_rate_deg_s.to_radians(), scan_interval_s })
-}
-
-/// Takes the numbers that the table gives, and refuses other keys.
-fn set<const N: usize>(table: &Table, fields: [(&str, &Limit, &mut f64); N]) -> Result<(), Error> {
-    table.only(&fields.each_ref().map(|(key, ..)| *key))?;
-    take(table, fields)
+    Robot { radius_m, speed_m_s, turn_rate_rad_s: turn_rate_deg_s.to_radians(), scan_interval_s }
 }
 
 /// Takes the numbers that the table gives.
-fn take<const N: usize>(table: &Table, fields: [(&str, &Limit, &mut f64); N]) -> Result<(), Error> {
+fn take<const N: usize>(table: &Table, fields: [(&str, &Limit, &mut f64); N], found: &mut Findings) {
     for (key, limit, field) in fields {
-        if let Some(value) = table.optional_number(key, limit)? {
+        if let Some(value) = found.take(table.optional_number(key, limit)).flatten() {
             *field = value;
         }
     }
-    Ok(())
 }

@@ -3,6 +3,7 @@
 use grid::GridSpec;
 use strict::{Limit, Table};
 
+use super::findings::Findings;
 use crate::{Problem, SceneError, memory};
 
 /// Side of a cell, m, where neither the file nor the caller says another.
@@ -15,21 +16,20 @@ const CELL: Limit = Limit {
     remedy: "give the side of a cell, such as 0.05",
 };
 
-/// The cells that cover the bounds, if memory holds them.
+/// The cells that cover the bounds, if there are bounds and memory holds them.
 pub(super) fn read(
     root: &Table,
-    bounds_m: [[f64; 2]; 2],
+    bounds_m: Option<[[f64; 2]; 2]>,
     given: Option<f64>,
     default: f64,
-) -> Result<GridSpec, SceneError> {
-    let section = root.section("grid")?;
-    let in_file = match &section {
-        Some(table) => {
-            table.only(&["cell"])?;
-            table.optional_number("cell", &CELL)?
-        }
-        None => None,
-    };
+    found: &mut Findings,
+) -> Option<GridSpec> {
+    let section = found.take(root.section("grid"))?;
+    let mut in_file = None;
+    if let Some(table) = &section {
+        found.only(table, &["cell"]);
+        in_file = found.take(table.optional_number("cell", &CELL))?;
+    }
     let at = || section.as_ref().map_or_else(|| root.place_of("bounds"), |table| table.place_of("cell"));
     let element = if given.is_some() { "the cell size asked for in place of the file's" } else { "[grid]" };
     let cell_m = given.or(in_file).unwrap_or(default);
@@ -41,9 +41,10 @@ pub(super) fn read(
             bound: CELL.bound.to_owned(),
             remedy: CELL.remedy.to_owned(),
         };
-        return Err(SceneError::at(at(), Problem::File(problem)));
+        found.add(SceneError::at(at(), Problem::File(problem)));
+        return None;
     }
-    covering(bounds_m, cell_m, element).map_err(|problem| SceneError::at(at(), problem))
+    found.take(covering(bounds_m?, cell_m, element).map_err(|problem| SceneError::at(at(), problem)))
 }
 
 /// The cells that cover the bounds, if memory holds what is kept per cell.

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use strict::{Error, Limit, Table, open};
 
+use super::findings::{Findings, first};
 use super::limits::{CLEARANCE, COVERED, OBSTACLE, OPENING, SHARE, SIDE, SPREAD, THICKNESS};
 use super::{camera, cells};
 use crate::generate::{Kind, Plan};
@@ -49,70 +50,92 @@ impl Family {
     /// # Errors
     /// The first problem with the text.
     pub fn parse(text: &str, path: &Path) -> Result<Self, SceneError> {
+        Self::examine(text, path).map_err(first)
+    }
+
+    /// As [`parse`](Self::parse), for those who would rather mend all of a file at once.
+    ///
+    /// # Errors
+    /// Every problem with the text, at least one; not what would only follow from another.
+    pub fn examine(text: &str, path: &Path) -> Result<Self, Vec<SceneError>> {
         let file = path.display().to_string();
-        let (source, document) = open(text, &file)?;
-        checked(&Table::new(&source, "the family", 0, document.get_ref()), path)
+        let (source, document) = open(text, &file).map_err(|error| vec![error.into()])?;
+        let mut found = Findings::default();
+        let family = checked(&Table::new(&source, "the family", 0, document.get_ref()), path, &mut found);
+        found.or(family)
     }
 }
 
 /// Checks a family file's table.
-fn checked(root: &Table, path: &Path) -> Result<Family, SceneError> {
-    root.only(&KEYS)?;
-    let name = root.name("name")?;
-    if let Some(value) = root.get("name").filter(|_| name.len() > LONGEST_NAME) {
+fn checked(root: &Table, path: &Path, found: &mut Findings) -> Option<Family> {
+    found.only(root, &KEYS);
+    let name = found.take(root.name("name"));
+    if let Some(value) = root.get("name").filter(|_| name.as_ref().is_some_and(|name| name.len() > LONGEST_NAME)) {
         let bound = format!("at most {LONGEST_NAME} characters");
-        return Err(root.refuse("name", value, &bound, "the number of the layout is added to it").into());
+        found.add(root.refuse("name", value, &bound, "the number of the layout is added to it"));
     }
-    let description = root.text("description")?.unwrap_or_default();
-    let Some(table) = root.section("generate")? else {
-        return Err(root.missing("[generate]", "[generate] with kind = \"clutter\" and sizes").into());
-    };
-    let plan = plan(&table)?;
-    cells::read(root, [[0.0; 2], plan.size_m.map(|[_, most]| most)], None, cells::DEFAULT_M)?;
-    camera::camera(root)?;
-    camera::matcher(root)?;
-    let robot_radius_m = camera::robot(root)?.radius_m;
-    let mut carried = Vec::new();
-    for section in CARRIED {
-        if let Some(table) = root.section(section)? {
-            carried.push((section, table.verbatim()));
-        }
+    let description = found.take(root.text("description")).flatten().unwrap_or_default();
+    let section = found.take(root.section("generate"));
+    if let Some(None) = section {
+        found.add(root.missing("[generate]", "[generate] with kind = \"clutter\" and sizes"));
     }
+    let plan = section.flatten().and_then(|table| plan(&table, found));
+    let bounds = plan.as_ref().map(|plan| [[0.0; 2], plan.size_m.map(|[_, most]| most)]);
+    cells::read(root, bounds, None, cells::DEFAULT_M, found);
+    camera::camera(root, found);
+    camera::matcher(root, found);
+    let robot_radius_m = camera::robot(root, found).radius_m;
+    let sections = CARRIED.iter().filter_map(|&section| Some((section, root.section(section).ok()??.verbatim())));
     let place = root.place_of("generate");
-    Ok(Family { name, description, plan, robot_radius_m, carried, path: path.to_owned(), place })
+    let carried = sections.collect();
+    Some(Family { name: name?, description, plan: plan?, robot_radius_m, carried, path: path.to_owned(), place })
 }
 
-fn plan(table: &Table) -> Result<Plan, Error> {
+fn plan(table: &Table, found: &mut Findings) -> Option<Plan> {
     let kinds = "\"clutter\", \"corridor\", \"hall\" or \"two-rooms\"";
-    let Some(kind) = table.get("kind") else { return Err(table.missing("kind", &format!("`kind = ...`, {kinds}"))) };
+    let Some(kind) = table.get("kind") else {
+        found.add(table.missing("kind", &format!("`kind = ...`, {kinds}")));
+        return None;
+    };
     let openings: &[&str] = match kind.get_ref().as_str() {
         Some("clutter" | "hall") => &[],
         Some("corridor") => &["passage", "door"],
         Some("two-rooms") => &["door"],
-        _ => return Err(table.refuse("kind", kind, kinds, "name the kind of place")),
+        _ => {
+            found.add(table.refuse("kind", kind, kinds, "name the kind of place"));
+            return None;
+        }
     };
-    table.only(&[&COMMON, openings].concat())?;
-    let or = |key, limit: &Limit, default| Ok::<_, Error>(table.optional_number(key, limit)?.unwrap_or(default));
-    let size_m = [range(table, "width", &SIDE)?, range(table, "height", &SIDE)?];
+    found.only(table, &[&COMMON, openings].concat());
+    let (width, height) = (found.take(range(table, "width", &SIDE)), found.take(range(table, "height", &SIDE)));
+    let least = height.map_or(f64::INFINITY, |[least, _]| least);
     let kind = match kind.get_ref().as_str() {
-        Some("corridor") => Kind::Corridor {
-            passage_m: within(table, "passage", size_m[1][0])?,
-            door_m: range(table, "door", &OPENING)?,
-        },
-        Some("two-rooms") => Kind::TwoRooms { door_m: within(table, "door", size_m[1][0])? },
-        Some("hall") => Kind::Hall,
-        _ => Kind::Clutter,
+        Some("corridor") => {
+            let passage = found.take(within(table, "passage", least));
+            let door = found.take(range(table, "door", &OPENING));
+            passage.zip(door).map(|(passage_m, door_m)| Kind::Corridor { passage_m, door_m })
+        }
+        Some("two-rooms") => found.take(within(table, "door", least)).map(|door_m| Kind::TwoRooms { door_m }),
+        Some("hall") => Some(Kind::Hall),
+        _ => Some(Kind::Clutter),
     };
-    Ok(Plan {
-        kind,
-        size_m,
-        obstacle_m: table.number("obstacle_size", &OBSTACLE)?,
-        spread: or("obstacle_spread", &SPREAD, 0.5)?,
-        covered: table.number("covered", &COVERED)?,
-        discs: or("discs", &SHARE, 0.25)?,
-        along_walls: or("along_walls", &SHARE, 0.3)?,
-        clearance_m: or("clearance", &CLEARANCE, 0.1)?,
-        wall_m: or("wall_thickness", &THICKNESS, 0.1)?,
+    let obstacle_m = found.take(table.number("obstacle_size", &OBSTACLE));
+    let mut or =
+        |key, limit: &Limit, default| found.take(table.optional_number(key, limit)).flatten().unwrap_or(default);
+    let spread = or("obstacle_spread", &SPREAD, 0.5);
+    let [discs, along_walls] = [or("discs", &SHARE, 0.25), or("along_walls", &SHARE, 0.3)];
+    let [clearance_m, wall_m] = [or("clearance", &CLEARANCE, 0.1), or("wall_thickness", &THICKNESS, 0.1)];
+    let covered = found.take(table.number("covered", &COVERED));
+    Some(Plan {
+        kind: kind?,
+        size_m: [width?, height?],
+        obstacle_m: obstacle_m?,
+        spread,
+        covered: covered?,
+        discs,
+        along_walls,
+        clearance_m,
+        wall_m,
     })
 }
 

@@ -2,6 +2,7 @@
 
 use strict::Table;
 
+use super::findings::Findings;
 use crate::drive::CLEARANCE_M;
 use crate::{Obstacle, Problem, Robot, SceneError, Waypoint};
 
@@ -11,9 +12,10 @@ pub(super) fn room_for_robot(
     waypoints: &[Waypoint],
     obstacles: &[Obstacle],
     robot: &Robot,
-) -> Result<(), SceneError> {
+    found: &mut Findings,
+) {
     let needed_m = robot.radius_m + CLEARANCE_M;
-    let section = root.section("waypoints")?;
+    let section = root.section("waypoints").ok().flatten();
     for Waypoint { name, at_m } in waypoints {
         let Some((obstacle, distance_m)) = nearest(obstacles, *at_m).filter(|(_, d)| *d < needed_m) else { continue };
         let place = section.as_ref().map_or_else(|| root.place(), |table| table.place_of(name));
@@ -25,9 +27,8 @@ pub(super) fn room_for_robot(
             needed_m,
             spare_m: CLEARANCE_M,
         };
-        return Err(SceneError::at(place, problem));
+        found.add(SceneError::at(place, problem));
     }
-    Ok(())
 }
 
 fn nearest(obstacles: &[Obstacle], at: [f64; 2]) -> Option<(&Obstacle, f64)> {

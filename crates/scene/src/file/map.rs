@@ -8,6 +8,7 @@ use grid::ros_map::{self, RosMap};
 use strict::Table;
 
 use super::beside;
+use super::findings::Findings;
 use super::obstacles::texture;
 use super::points::{METRES, point};
 use crate::boxes::boxes;
@@ -21,10 +22,10 @@ pub(super) struct Map {
 }
 
 /// Reads the map that `[map]` names, from the folder of the scene file at `scene`.
-pub(super) fn read(root: &Table, scene: &Path) -> Result<Option<Map>, SceneError> {
+pub(super) fn read(root: &Table, scene: &Path, found: &mut Findings) -> Result<Option<Map>, SceneError> {
     let Some(table) = root.section("map")? else { return Ok(None) };
-    table.only(&["file", "texture", "origin"])?;
-    let texture = texture(&table)?;
+    found.only(&table, &["file", "texture", "origin"]);
+    let texture = found.take(texture(&table)).unwrap_or_default();
     let Some(value) = table.get("file") else { return Err(table.missing("file", "`file = \"maps/....yaml\"`").into()) };
     let refused = |bound: &str, remedy: &str| table.refuse("file", value, bound, remedy);
     let name = beside::name(&table, value, "the name of a map's YAML file")?;

@@ -3,6 +3,7 @@
 use strict::{Error, Limit, Table};
 
 use super::bounds::within;
+use super::findings::Findings;
 use super::points::{LENGTH, METRES, point};
 use super::polygon;
 use crate::geometry::{distance, minus};
@@ -29,25 +30,24 @@ const TEXTURE: Limit = Limit {
     remedy: "1 is a surface full of edges, 0 one that gives no reading",
 };
 
-type Read = fn(&Table) -> Result<Shape, SceneError>;
+type Read = fn(&Table, &mut Findings) -> Option<Shape>;
 
 /// Every obstacle of the file, walls first.
-pub(super) fn read(root: &Table, bounds: [[f64; 2]; 2]) -> Result<Vec<Obstacle>, SceneError> {
+pub(super) fn read(root: &Table, bounds: [[f64; 2]; 2], found: &mut Findings) -> Vec<Obstacle> {
     let kinds: [(&'static str, Read); 4] = [("wall", wall), ("box", rectangle), ("disc", disc), ("polygon", outline)];
     let mut obstacles = Vec::new();
     for (kind, shape) in kinds {
-        for (k, table) in root.list(kind)?.iter().enumerate() {
-            let shape = shape(table)?;
-            let texture = texture(table)?;
-            within(shape.extent_m(), bounds, || table.element()).map_err(|p| SceneError::at(table.place(), p))?;
-            obstacles.push(Obstacle {
-                shape,
-                texture,
-                origin: Origin { kind, number: k + 1, line: table.place().line },
-            });
+        for (k, table) in found.take(root.list(kind)).unwrap_or_default().iter().enumerate() {
+            let shape = shape(table, found);
+            let texture = found.take(texture(table));
+            let (Some(shape), Some(texture)) = (shape, texture) else { continue };
+            let within = within(shape.extent_m(), bounds, || table.element());
+            found.take(within.map_err(|problem| SceneError::at(table.place(), problem)));
+            let origin = Origin { kind, number: k + 1, line: table.place().line };
+            obstacles.push(Obstacle { shape, texture, origin });
         }
     }
-    Ok(obstacles)
+    obstacles
 }
 
 pub(super) fn texture(table: &Table) -> Result<f64, Error> {
@@ -55,36 +55,39 @@ pub(super) fn texture(table: &Table) -> Result<f64, Error> {
 }
 
 /// A wall reaches half its thickness beyond its ends: walls that meet in a point close the corner.
-fn wall(table: &Table) -> Result<Shape, SceneError> {
-    table.only(&["from", "to", "thickness", "texture"])?;
-    let (from, to) = (point(table, "from")?, point(table, "to")?);
-    let half = 0.5 * table.number("thickness", &LENGTH)?;
+fn wall(table: &Table, found: &mut Findings) -> Option<Shape> {
+    found.only(table, &["from", "to", "thickness", "texture"]);
+    let (from, to) = (found.take(point(table, "from")), found.take(point(table, "to")));
+    let thickness = found.take(table.number("thickness", &LENGTH));
+    let (from, to, half) = (from?, to?, 0.5 * thickness?);
     let length = distance(from, to);
     if length < LENGTH.min {
-        let value = table.get("to").ok_or_else(|| table.missing("to", "the wall's other end"))?;
-        return Err(table
-            .refuse("to", value, "apart from `from`, by at least 0.000001 m", "give the wall's other end")
-            .into());
+        let value = table.get("to")?;
+        let bound = "apart from `from`, by at least 0.000001 m";
+        found.add(table.refuse("to", value, bound, "give the wall's other end"));
+        return None;
     }
     let center_m = [0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1])];
-    Ok(Shape::Box { center_m, half_m: [0.5 * length + half, half], axis: minus(to, from).map(|v| v / length) })
+    Some(Shape::Box { center_m, half_m: [0.5 * length + half, half], axis: minus(to, from).map(|v| v / length) })
 }
 
-fn rectangle(table: &Table) -> Result<Shape, SceneError> {
-    table.only(&["center", "size", "rotation_deg", "texture"])?;
-    let center_m = point(table, "center")?;
-    let half_m = table.required_pair("size", &SIZE)?.map(|s| 0.5 * s);
-    let degrees = table.optional_number("rotation_deg", &ROTATION)?.unwrap_or(0.0);
-    let (sin, cos) = libm::sincos(degrees.to_radians());
-    Ok(Shape::Box { center_m, half_m, axis: [cos, sin] })
+fn rectangle(table: &Table, found: &mut Findings) -> Option<Shape> {
+    found.only(table, &["center", "size", "rotation_deg", "texture"]);
+    let center_m = found.take(point(table, "center"));
+    let size = found.take(table.required_pair("size", &SIZE));
+    let degrees = found.take(table.optional_number("rotation_deg", &ROTATION));
+    let (sin, cos) = libm::sincos(degrees?.unwrap_or(0.0).to_radians());
+    Some(Shape::Box { center_m: center_m?, half_m: size?.map(|s| 0.5 * s), axis: [cos, sin] })
 }
 
-fn disc(table: &Table) -> Result<Shape, SceneError> {
-    table.only(&["center", "radius", "texture"])?;
-    Ok(Shape::Disc { center_m: point(table, "center")?, radius_m: table.number("radius", &LENGTH)? })
+fn disc(table: &Table, found: &mut Findings) -> Option<Shape> {
+    found.only(table, &["center", "radius", "texture"]);
+    let center_m = found.take(point(table, "center"));
+    let radius_m = found.take(table.number("radius", &LENGTH));
+    Some(Shape::Disc { center_m: center_m?, radius_m: radius_m? })
 }
 
-fn outline(table: &Table) -> Result<Shape, SceneError> {
-    table.only(&["points", "texture"])?;
-    Ok(Shape::Polygon { points_m: polygon::points(table)? })
+fn outline(table: &Table, found: &mut Findings) -> Option<Shape> {
+    found.only(table, &["points", "texture"]);
+    found.take(polygon::points(table)).map(|points_m| Shape::Polygon { points_m })
 }

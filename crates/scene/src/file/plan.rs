@@ -7,6 +7,7 @@ use grid::{GridSpec, Raster};
 use strict::{Limit, Table};
 
 use super::beside;
+use super::findings::Findings;
 use super::obstacles::texture;
 use crate::floor_plan::FloorPlan;
 use crate::geometry::{distance, sides};
@@ -32,11 +33,11 @@ pub(super) struct Plan {
 }
 
 /// Reads the floor plan that `[plan]` names, from the folder of the scene file at `scene`.
-pub(super) fn read(root: &Table, scene: &Path) -> Result<Option<Plan>, SceneError> {
+pub(super) fn read(root: &Table, scene: &Path, found: &mut Findings) -> Result<Option<Plan>, SceneError> {
     let Some(table) = root.section("plan")? else { return Ok(None) };
-    table.only(&["file", "thickness", "texture"])?;
-    let texture = texture(&table)?;
-    let thickness_m = table.optional_number("thickness", &THICKNESS)?.unwrap_or(THICKNESS_M);
+    found.only(&table, &["file", "thickness", "texture"]);
+    let texture = found.take(texture(&table)).unwrap_or_default();
+    let thickness_m = found.take(table.optional_number("thickness", &THICKNESS)).flatten().unwrap_or(THICKNESS_M);
     let Some(value) = table.get("file") else {
         return Err(table.missing("file", "`file = \"plans/....json\"`").into());
     };

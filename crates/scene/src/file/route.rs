@@ -3,6 +3,7 @@
 use strict::{LONGEST_VALUE, Table, Value, excerpt, hint};
 
 use super::bounds::within;
+use super::findings::Findings;
 use super::points::point;
 use crate::geometry::distance;
 use crate::{Problem, SceneError, StagePlan, Stop, Waypoint};
@@ -14,9 +15,14 @@ const LONGEST_NAME: usize = 32;
 const NAMES: &str = "waypoint names";
 
 /// The named points.
-pub(super) fn waypoints(root: &Table, bounds: [[f64; 2]; 2]) -> Result<Vec<Waypoint>, SceneError> {
+///
+/// A point that is refused stands among them all the same, nowhere, so that its name is known.
+pub(super) fn waypoints(root: &Table, bounds: [[f64; 2]; 2], found: &mut Findings) -> Option<Vec<Waypoint>> {
     let example = "[waypoints] with lines such as A = [1.0, 2.0]";
-    let Some(table) = root.section("waypoints")? else { return Err(root.missing("[waypoints]", example).into()) };
+    let Some(table) = found.take(root.section("waypoints"))? else {
+        found.add(root.missing("[waypoints]", example));
+        return None;
+    };
     let mut waypoints = Vec::new();
     for (name, offset) in table.keys() {
         if name.is_empty() || name.chars().count() > LONGEST_NAME || name.chars().any(char::is_control) {
@@ -27,61 +33,76 @@ pub(super) fn waypoints(root: &Table, bounds: [[f64; 2]; 2]) -> Result<Vec<Waypo
                 bound: format!("1 to {LONGEST_NAME} characters that can be printed"),
                 remedy: "name the waypoint with a letter or a word".to_owned(),
             };
-            return Err(root.source().error(offset, problem).into());
+            found.add(root.source().error(offset, problem));
         }
-        let at_m = point(&table, name)?;
-        within([at_m, at_m], bounds, || format!("waypoint {name}"))
-            .map_err(|p| SceneError::at(root.source().place(offset), p))?;
+        let at_m = found.take(point(&table, name)).unwrap_or([f64::NAN; 2]);
+        let within = within([at_m, at_m], bounds, || format!("waypoint {name}"));
+        found.take(within.map_err(|problem| SceneError::at(root.source().place(offset), problem)));
         waypoints.push(Waypoint { name: name.to_owned(), at_m });
     }
-    Ok(waypoints)
+    Some(waypoints)
 }
 
 /// The stops of the route.
-pub(super) fn stops(root: &Table, waypoints: &[Waypoint]) -> Result<Vec<Stop>, SceneError> {
+pub(super) fn stops(root: &Table, waypoints: Option<&[Waypoint]>, found: &mut Findings) -> Option<Vec<Stop>> {
     let example = "[\"A\", \"B\"]";
-    let Some(table) = root.section("route")? else {
-        return Err(root.missing("[route]", &format!("[route] with stops = {example}")).into());
+    let Some(table) = found.take(root.section("route"))? else {
+        found.add(root.missing("[route]", &format!("[route] with stops = {example}")));
+        return None;
     };
-    table.only(&["stops"])?;
-    let names = table.strings("stops", NAMES, example)?;
+    found.only(&table, &["stops"]);
+    let names = found.take(table.strings("stops", NAMES, example))?;
+    let (waypoints, before) = (waypoints?, found.count());
     let mut stops: Vec<Stop> = Vec::new();
     for &(name, value) in &names {
-        let waypoint = find(&table, waypoints, name, value)?;
+        let Some(waypoint) = found.take(find(&table, waypoints, name, value)) else { continue };
         if let Some(last) = stops.last() {
             let [here, there] = [waypoint, last.waypoint].map(|w| waypoints[w].at_m);
             if distance(here, there) < SHORTEST_LEG_M {
                 let bound = format!("at least {SHORTEST_LEG_M} m from the stop before it");
-                return Err(table.refuse("stop", value, &bound, "leave it out or name another waypoint").into());
+                found.add(table.refuse("stop", value, &bound, "leave it out or name another waypoint"));
             }
         }
         stops.push(Stop { waypoint, place: root.source().place(value.span().start) });
     }
-    match table.get("stops") {
-        Some(value) if stops.len() < 2 => {
-            Err(table.refuse("stops", value, "at least two waypoints", &format!("write it like {example}")).into())
-        }
-        _ => Ok(stops),
+    if let Some(value) = table.get("stops").filter(|_| names.len() < 2) {
+        found.add(table.refuse("stops", value, "at least two waypoints", &format!("write it like {example}")));
     }
+    (found.count() == before).then_some(stops)
 }
 
 /// The direction of a shorter leg would be noise.
 const SHORTEST_LEG_M: f64 = 0.001;
 
 /// The stages, or one named `end` where the file has none.
-pub(super) fn stages(root: &Table, waypoints: &[Waypoint], stops: &[Stop]) -> Result<Vec<StagePlan>, SceneError> {
-    let tables = root.list("stage")?;
+///
+/// Without waypoints or stops, whether a stage fits them is not asked.
+pub(super) fn stages(
+    root: &Table,
+    waypoints: Option<&[Waypoint]>,
+    stops: Option<&[Stop]>,
+    found: &mut Findings,
+) -> Vec<StagePlan> {
+    let tables = found.take(root.list("stage")).unwrap_or_default();
     let mut stages: Vec<StagePlan> = Vec::new();
+    let mut names: Vec<(String, usize)> = Vec::new();
     for (k, table) in tables.iter().enumerate() {
-        table.only(&["name", "after", "label"])?;
-        let name = table.name("name")?;
-        if let Some(first) = stages.iter().position(|s| s.name == name) {
-            return Err(duplicate(table, name, tables[first].place().line));
+        found.only(table, &["name", "after", "label"]);
+        let name = found.take(table.name("name"));
+        if let Some(name) = &name {
+            if let Some((_, line)) = names.iter().find(|(other, _)| other == name) {
+                found.add(duplicate(table, name.clone(), *line));
+            }
+            names.push((name.clone(), table.place().line));
         }
-        let after = table.strings("after", NAMES, "[\"A\", \"B\"]")?;
+        let after = found.take(table.strings("after", NAMES, "[\"A\", \"B\"]"));
+        let label = found.take(table.text("label")).flatten();
+        let (Some(after), Some(waypoints)) = (after, waypoints) else { continue };
+        let before = found.count();
         for &(stop, value) in &after {
-            find(table, waypoints, stop, value)?;
+            found.take(find(table, waypoints, stop, value));
         }
+        let Some(stops) = stops.filter(|_| found.count() == before) else { continue };
         let on_route = after.len() <= stops.len()
             && after.iter().zip(stops).all(|((name, _), stop)| *name == waypoints[stop.waypoint].name);
         let longer = after.len() > stages.last().map_or(0, |s: &StagePlan| s.stops);
@@ -94,18 +115,16 @@ pub(super) fn stages(root: &Table, waypoints: &[Waypoint], stops: &[Stop]) -> Re
             _ => Some(format!("the whole route in the last stage, {}", listed_stops(waypoints, stops))),
         };
         if let Some(bound) = bound {
-            let value = table.get("after").ok_or_else(|| table.missing("after", "the stops"))?;
-            return Err(table
-                .refuse("after", value, &bound, "a stage ends on arrival at the last stop it lists")
-                .into());
+            let remedy = "a stage ends on arrival at the last stop it lists";
+            found.take(table.get("after").map_or(Ok(()), |value| Err(table.refuse("after", value, &bound, remedy))));
         }
-        let label = table.text("label")?.unwrap_or_else(|| name.clone());
-        stages.push(StagePlan { name, label, stops: after.len() });
+        let name = name.unwrap_or_default();
+        stages.push(StagePlan { label: label.unwrap_or_else(|| name.clone()), name, stops: after.len() });
     }
-    if stages.is_empty() {
+    if let Some(stops) = stops.filter(|_| tables.is_empty()) {
         stages.push(StagePlan { name: "end".to_owned(), label: "end of the route".to_owned(), stops: stops.len() });
     }
-    Ok(stages)
+    stages
 }
 
 pub(super) fn duplicate(table: &Table, name: String, line: usize) -> SceneError {

@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use crate::output::args::{CutOption, Format, PriorOptions, ThreadsOption, count, trimmed, trimmed_path};
+use crate::output::args::{CutOption, Format, PriorOptions, ThreadsOption, count, trimmed};
 use crate::programs::options::ProgramOptions;
 use crate::worlds::drives::DriveOptions;
-use crate::worlds::scenes::FAMILIES;
+use crate::worlds::scenes::{FAMILIES, scene};
 
 /// Options of `compare`.
 #[derive(Debug, Args)]
@@ -15,12 +15,12 @@ pub struct CompareOptions {
     /// Which worlds
     #[arg(long, value_enum, default_value_t)]
     pub set: Worlds,
-    /// Families of generated scenes, comma-separated
+    /// Families of generated scenes, comma-separated: names of `list`, or files
     #[arg(
         long,
-        value_name = "FILE,FILE",
+        value_name = "A,B",
         value_delimiter = ',',
-        value_parser = trimmed_path,
+        value_parser = scene(),
         default_value = FAMILIES
     )]
     pub families: Vec<PathBuf>,

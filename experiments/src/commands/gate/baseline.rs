@@ -1,7 +1,7 @@
 //! The baselines: the values that maps had when they were last looked at and found good.
 
 use std::fs;
-use std::io::{self, Write as _};
+use std::io::{self, Read as _, Write as _};
 use std::path::Path;
 
 use serde_json::json;
@@ -25,15 +25,21 @@ const MOST_BYTES: u64 = 64 << 20;
 /// A file that cannot be read, and the first line of it that is no baseline.
 pub fn read(path: &Path) -> Result<Option<Values>, Failure> {
     let place = path.display();
-    match fs::metadata(path) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-        Err(error) => return Err(Failure::Internal(format!("{place}: cannot be read: {error}"))),
-        Ok(data) if !data.is_file() || data.len() > MOST_BYTES => {
-            return Err(Failure::BadInput(format!("{place}: is no file of baselines; give one with --baseline")));
-        }
-        Ok(_) => {}
+    let unreadable = |error: io::Error| Failure::Internal(format!("{place}: cannot be read: {error}"));
+    let no_baseline = || Err(Failure::BadInput(format!("{place}: is no file of baselines; give one with --baseline")));
+    // A pipe would be waited for.
+    if fs::metadata(path).is_ok_and(|found| !found.is_file()) {
+        return no_baseline();
     }
-    let bytes = fs::read(path).map_err(|error| Failure::Internal(format!("{place}: cannot be read: {error}")))?;
+    let mut file = match strict::opened(path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+        opened => opened.map_err(unreadable)?,
+    };
+    if file.length().map_err(unreadable)? > MOST_BYTES {
+        return no_baseline();
+    }
+    let mut bytes = Vec::new();
+    file.read_to_end(&mut bytes).map_err(unreadable)?;
     let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(bytes.as_slice());
     let mut values = Values::new();
     let refuse = |line: u64, what: &str| {

@@ -105,30 +105,30 @@ const KEYS: [&str; 14] = [
     "by",
 ];
 
-const DEMANDS: [&str; 4] = ["at_most", "at_least", "not_worse_than_baseline_by", "better_than"];
+pub(super) const DEMANDS: [&str; 4] = ["at_most", "at_least", "not_worse_than_baseline_by", "better_than"];
 
 /// Worlds of each family, or readings of a scene, where the file does not say.
 const SEEDS: u64 = 10;
 
-const MOST_SEEDS: Limit = Limit {
+pub(super) const MOST_SEEDS: Limit = Limit {
     min: 1.0,
     max: 1000.0,
     bound: "a whole number from 1 to 1000",
     remedy: "give the number of worlds of each family, such as 10",
 };
-const BOUND: Limit = Limit {
+pub(super) const BOUND: Limit = Limit {
     min: -1e6,
     max: 1e6,
     bound: "a number in the unit of the metric, at most 1000000 in size",
     remedy: "give a bound such as 0.2",
 };
-const MARGIN: Limit = Limit {
+pub(super) const MARGIN: Limit = Limit {
     min: 0.0,
     max: 1e6,
     bound: "a difference in the unit of the metric, 0 to 1000000",
     remedy: "give the largest difference that does not matter, such as 0.002; the sign follows from the metric",
 };
-const GRID: Limit = Limit {
+pub(super) const GRID: Limit = Limit {
     min: 0.01,
     max: 10.0,
     bound: "a cell size in m, 0.01 to 10",

@@ -116,37 +116,35 @@ pub enum Body {
 
 /// The kernel of a laser.
 #[derive(Debug, Clone, Copy, Args)]
-#[command(next_help_heading = "Laser")]
 pub struct LaserOptions {
     /// Standard deviation of an echo, m
-    #[arg(long, value_name = "M", default_value_t = Laser::default().range_sigma_m, allow_negative_numbers = true, value_parser = positive)]
+    #[arg(long, help_heading = "Laser", value_name = "M", default_value_t = Laser::default().range_sigma_m, allow_negative_numbers = true, value_parser = positive)]
     pub range_sigma: f64,
     /// Probability that a pulse is reflected by the first obstacle on the map
-    #[arg(long, value_name = "P", default_value_t = Laser::default().hit, allow_negative_numbers = true, value_parser = probability)]
+    #[arg(long, help_heading = "Laser", value_name = "P", default_value_t = Laser::default().hit, allow_negative_numbers = true, value_parser = probability)]
     pub hit: f64,
     /// Probability that a pulse is lost; what this and --hit leave of one are outliers
-    #[arg(long, value_name = "P", default_value_t = Laser::default().no_echo, allow_negative_numbers = true, value_parser = probability)]
+    #[arg(long, help_heading = "Laser", value_name = "P", default_value_t = Laser::default().no_echo, allow_negative_numbers = true, value_parser = probability)]
     pub no_echo: f64,
     /// Things on no map that stand in a metre of beam, 1/m
-    #[arg(long, value_name = "RATE", default_value_t = Laser::default().early_per_m, allow_negative_numbers = true, value_parser = probability)]
+    #[arg(long, help_heading = "Laser", value_name = "RATE", default_value_t = Laser::default().early_per_m, allow_negative_numbers = true, value_parser = probability)]
     pub early: f64,
 }
 
 /// The kernel of a stereo camera.
 #[derive(Debug, Clone, Copy, Args)]
-#[command(next_help_heading = "Stereo camera")]
 pub struct StereoOptions {
     /// Focal length times baseline, px·m
-    #[arg(long, value_name = "PX·M", default_value_t = Stereo::default().focal_baseline, allow_negative_numbers = true, value_parser = positive)]
+    #[arg(long, help_heading = "Stereo camera", value_name = "PX·M", default_value_t = Stereo::default().focal_baseline, allow_negative_numbers = true, value_parser = positive)]
     pub focal_baseline: f64,
     /// Standard deviation of a correct disparity, px
-    #[arg(long, value_name = "PX", default_value_t = Stereo::default().disparity_sigma, allow_negative_numbers = true, value_parser = positive)]
+    #[arg(long, help_heading = "Stereo camera", value_name = "PX", default_value_t = Stereo::default().disparity_sigma, allow_negative_numbers = true, value_parser = positive)]
     pub disparity_sigma: f64,
     /// Probability of a correct match
-    #[arg(long, value_name = "P", default_value_t = Stereo::default().correct_match, allow_negative_numbers = true, value_parser = probability)]
+    #[arg(long, help_heading = "Stereo camera", value_name = "P", default_value_t = Stereo::default().correct_match, allow_negative_numbers = true, value_parser = probability)]
     pub correct_match: f64,
     /// Largest disparity searched, px
-    #[arg(long, value_name = "PX", default_value_t = Stereo::default().max_disparity, allow_negative_numbers = true, value_parser = positive)]
+    #[arg(long, help_heading = "Stereo camera", value_name = "PX", default_value_t = Stereo::default().max_disparity, allow_negative_numbers = true, value_parser = positive)]
     pub max_disparity: f64,
 }
 

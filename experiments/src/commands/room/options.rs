@@ -7,6 +7,7 @@ use clap::Args;
 use crate::output::args::{CutOption, Format, PriorOptions, ThreadsOption, count, positive, trimmed};
 use crate::programs::options::ProgramOptions;
 use crate::worlds::drives::DriveOptions;
+use crate::worlds::scenes::scene;
 
 /// A million maps in one run is a sweep, not a table with a spread.
 const MOST_SEEDS: u32 = 10_000;
@@ -14,8 +15,8 @@ const MOST_SEEDS: u32 = 10_000;
 /// Options of `room`.
 #[derive(Debug, Args)]
 pub struct RoomOptions {
-    /// Scene file, or file of a family of scenes
-    #[arg(long, value_name = "FILE", default_value = "scenes/room.toml")]
+    /// Scene or family of scenes: a name of `list`, or a file
+    #[arg(long, value_name = "SCENE", default_value = "room", value_parser = scene())]
     pub scene: PathBuf,
     /// Which scene of the family [default: 1]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]

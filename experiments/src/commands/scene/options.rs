@@ -5,11 +5,14 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 
 use crate::output::args::{count, number};
+use crate::worlds::scenes::scene;
 
 /// What `scene` does.
 #[derive(Debug, Subcommand)]
 pub enum SceneCommand {
-    /// Print the scene file of a layout
+    /// Write a commented scene to begin with
+    New(NewOptions),
+    /// Print the scene file of a layout of a family
     Generate(GenerateOptions),
     /// Make a scene of a ROS map (YAML, with PGM or PNG): a route through all that the robot can reach
     FromMap(FromMapOptions),
@@ -52,11 +55,22 @@ pub struct FromMapOptions {
     pub camera_field_of_view: f64,
 }
 
+/// Options of `scene new`.
+#[derive(Debug, Args)]
+pub struct NewOptions {
+    /// Scene file to write, with or without .toml
+    #[arg(value_name = "NAME")]
+    pub file: PathBuf,
+    /// Replace the file if it is there already
+    #[arg(long)]
+    pub force: bool,
+}
+
 /// Options of `scene generate`.
 #[derive(Debug, Args)]
 pub struct GenerateOptions {
-    /// File of a family of scenes
-    #[arg(value_name = "FAMILY")]
+    /// Family of scenes: a name of `list`, or a file
+    #[arg(value_name = "FAMILY", value_parser = scene())]
     pub family: PathBuf,
     /// Which scene of the family
     #[arg(long, value_name = "N", default_value_t = scene::Set::FIRST_TEST, allow_negative_numbers = true)]

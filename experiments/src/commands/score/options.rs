@@ -9,6 +9,7 @@ use score::Finer;
 use crate::output::args::{FormatOption, ThreadsOption, number, positive, probability};
 use crate::worlds::drives::DriveOptions;
 use crate::worlds::map_file::{Origin, RowOrder, Shading, origin, side};
+use crate::worlds::scenes::scene;
 
 /// Options of `score`.
 #[derive(Debug, Args)]
@@ -17,8 +18,8 @@ pub struct ScoreOptions {
     /// Maps to score: .yaml with its image, .npy, or .pgm and .png without YAML; the first is what others are compared with
     #[arg(value_name = "MAP", required = true)]
     pub maps: Vec<PathBuf>,
-    /// What is true: a scene file or file of a family, or a map in any of these forms
-    #[arg(long, value_name = "FILE")]
+    /// What is true: a scene or family (a name of `list`, or a file), or a map in any of these forms
+    #[arg(long, value_name = "TRUTH", value_parser = scene())]
     pub truth: PathBuf,
     /// Which scene of the family [default: 1]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]

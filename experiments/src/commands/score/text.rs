@@ -9,12 +9,14 @@ use super::rows::{Difference, Row};
 use super::scored::Scored;
 use super::truth::Truth;
 use super::{alignment, driven};
-use crate::output::table::{aligned, wrapped};
+use crate::output::table::{aligned, width, wrapped};
 use crate::page::{Cell, Sheet};
 use crate::worlds::criteria::criterion;
 
 /// Columns of the terminal.
-const WIDTH: usize = 80;
+fn columns() -> usize {
+    width().map_or(80, |width| width.min(80))
+}
 
 /// Longest name of a map in a table; of a longer one the end stands.
 const NAME: usize = 17;
@@ -98,12 +100,12 @@ fn driven(sheet: &Sheet) -> String {
         cells
     };
     let rows: Vec<Vec<String>> = sheet.rows.iter().map(cells).collect();
-    format!("\n{}\n{}{}\n", sheet.caption, aligned(&heads, &rows), wrapped(&sheet.note, WIDTH).join("\n"))
+    format!("\n{}\n{}{}\n", sheet.caption, aligned(&heads, &rows), wrapped(&sheet.note, columns()).join("\n"))
 }
 
 /// Adds a paragraph in lines of the terminal's width, the second and later ones indented.
 fn say(text: &mut String, paragraph: &str) {
-    for (k, line) in wrapped(paragraph, WIDTH - 2).iter().enumerate() {
+    for (k, line) in wrapped(paragraph, columns() - 2).iter().enumerate() {
         let _ = writeln!(text, "{}{line}", if k > 0 { "  " } else { "" });
     }
 }
@@ -188,5 +190,5 @@ fn differences(differences: &[Difference], baseline: &str, region: &str, tiles: 
         tiles.side_m(),
         tiles.side_m()
     );
-    text + &wrapped(&note, WIDTH).join("\n") + "\n"
+    text + &wrapped(&note, columns()).join("\n") + "\n"
 }

@@ -5,12 +5,13 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::output::args::{FormatOption, positive};
+use crate::worlds::scenes::scene;
 
 /// Options of `sensor`.
 #[derive(Debug, Args)]
 pub struct SensorOptions {
-    /// Scene file whose camera is shown
-    #[arg(value_name = "SCENE", default_value = "scenes/room.toml")]
+    /// Scene whose camera is shown: a name of `list`, or a file
+    #[arg(value_name = "SCENE", default_value = "room", value_parser = scene())]
     pub scene: PathBuf,
     /// Range in metres of the obstacle whose readings Figure 6 shows [default: where the disparity is a sixth of the search range]
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive)]

@@ -54,16 +54,18 @@ pub fn run(manifest: &Manifest, shards: &[u32], threads: usize) -> Result<Ran, F
 /// Runs a shard and writes its result, unless it is done: another worker may have been faster.
 fn shard_of(manifest: &Manifest, number: u32, progress: &Jobs, failed: &AtomicU64) -> Result<(), Failure> {
     if matches!(shard::state(manifest, number), shard::State::Done { .. }) {
-        progress.step(manifest.jobs_of(number), failed.load(Ordering::Relaxed));
+        progress.step(manifest.jobs_of(number), failed.load(Ordering::Relaxed), None);
         return Ok(());
     }
     let mut csv = csv::Writer::from_writer(Vec::new());
     manifest.each_job(number, |id, job| {
+        let mut last = None;
         for row in job.run()? {
+            last = row.told().or(last);
             failed.fetch_add(u64::from(!row.error.is_empty()), Ordering::Relaxed);
             csv.write_record(row.fields(id, &job, &manifest.head.keys)).map_err(Failure::internal)?;
         }
-        progress.step(1, failed.load(Ordering::Relaxed));
+        progress.step(1, failed.load(Ordering::Relaxed), last.as_deref());
         Ok(ControlFlow::Continue(()))
     })?;
     shard::write(manifest, number, &csv.into_inner().map_err(Failure::internal)?)

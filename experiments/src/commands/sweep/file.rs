@@ -53,13 +53,13 @@ pub struct Axis {
 
 const KEYS: [&str; 9] = ["scene", "scenes", "families", "mappers", "seeds", "regions", "set", "vary", "paired"];
 
-const SEED: Limit = Limit {
+pub(super) const SEED: Limit = Limit {
     min: 0.0,
     max: 9e15,
     bound: "a whole number from 0 to 9e15",
     remedy: "give the first seed, such as 1; of a family it is also the first layout",
 };
-const COUNT: Limit = Limit {
+pub(super) const COUNT: Limit = Limit {
     min: 1.0,
     max: 1e6,
     bound: "a whole number from 1 to 1000000",

@@ -7,6 +7,7 @@ use clap::{Args, Subcommand};
 use super::parameters::{Of, PARAMETERS, Parameter, ParameterKind};
 use crate::output::args::{FormatOption, MOST_THREADS, ThreadsOption, count};
 use crate::programs::options::ProgramOptions;
+use crate::worlds::scenes::sweep;
 
 /// More shards than this are a mistake.
 const MOST_SHARDS: u32 = 1_000_000;
@@ -53,8 +54,8 @@ pub struct SweepOptions {
     /// A part of it
     #[command(subcommand)]
     pub part: Option<Part>,
-    /// Sweep file: plan, run, merge and plot it here; goes on where it was
-    #[arg(value_name = "SWEEP.toml", required = true)]
+    /// Sweep to plan, run, merge and plot here: a name of `list`, or a file; goes on where it was
+    #[arg(value_name = "SWEEP", required = true, value_parser = sweep())]
     pub file: Option<PathBuf>,
     /// Folder for manifest, shards, table and pictures [default: results/sweep- and the file's name]
     #[arg(long, value_name = "DIR")]
@@ -95,8 +96,8 @@ pub enum Part {
 /// Options of `sweep plan`.
 #[derive(Debug, Args)]
 pub struct PlanOptions {
-    /// Sweep file
-    #[arg(value_name = "SWEEP.toml")]
+    /// Sweep: a name of `list`, or a file
+    #[arg(value_name = "SWEEP", value_parser = sweep())]
     pub file: PathBuf,
     /// Folder for the manifest [default: results/sweep- and the file's name]
     #[arg(long, value_name = "DIR")]

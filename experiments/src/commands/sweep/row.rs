@@ -32,6 +32,13 @@ impl SweepRow {
         Self { mapper: mapper.to_owned(), region: String::new(), cells: 0, values: vec![None; CRITERIA.len()], error }
     }
 
+    /// Its log loss, for who watches.
+    pub fn told(&self) -> Option<String> {
+        let metric = CRITERIA.iter().position(|criterion| criterion.metric == "log_loss")?;
+        let loss = self.values.get(metric).copied().flatten()?;
+        Some(format!("last: {} in {}, log loss {loss:.3}", self.mapper, self.region))
+    }
+
     /// The row as fields, in the order of [`columns`].
     pub fn fields(&self, id: u64, job: &Job, keys: &[String]) -> Vec<String> {
         let setting = |key: &String| match job.settings.get(key) {

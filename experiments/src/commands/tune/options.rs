@@ -6,14 +6,14 @@ use clap::Args;
 use scene::Set;
 
 use super::candidates::Tuned;
-use crate::output::args::{Format, ThreadsOption, count, trimmed_path};
-use crate::worlds::scenes::FAMILIES;
+use crate::output::args::{Format, ThreadsOption, count};
+use crate::worlds::scenes::{FAMILIES, scene};
 
 /// Options of `tune`.
 #[derive(Debug, Args)]
 pub struct TuneOptions {
-    /// Families of generated scenes, comma-separated
-    #[arg(long, value_name = "FILE,FILE", value_delimiter = ',', value_parser = trimmed_path, default_value = FAMILIES)]
+    /// Families of generated scenes, comma-separated: names of `list`, or files
+    #[arg(long, value_name = "A,B", value_delimiter = ',', value_parser = scene(), default_value = FAMILIES)]
     pub families: Vec<PathBuf>,
     /// Worlds of each family; mappers that take all scans at once are fitted on the first three of them
     #[arg(long, value_name = "N", default_value_t = 10, allow_negative_numbers = true, value_parser = count(Set::SIZE as u32))]

@@ -1,0 +1,152 @@
+//! The schema of scene files, and of the tables that families share with them.
+
+use ::scene::reader::limits::{
+    COLUMNS, FIELD_OF_VIEW, FOCAL_BASELINE, INTERVAL, PROBABILITY, RADIUS, REACH, SEARCH, SIGMA, SPEED, STEP, TURN_RATE,
+};
+use serde_json::{Value, json};
+
+use super::{between, file, flag, line, list, name, number, pair, table, text, whole, word};
+
+/// Coordinates and lengths stay within this, m.
+const METRES: f64 = 1e6;
+
+/// The least length, m.
+const LEAST: f64 = 1e-6;
+
+/// The schema of scene files.
+pub fn scene() -> Value {
+    let mut schema = file(
+        "A scene: walls and things, a route, a camera (lengths in m, angles in degrees counter-clockwise from x)",
+        &[&ground()[..], &obstacles(), &drive(), &shared()].concat(),
+        &["name", "waypoints", "route"],
+    );
+    // A map or a plan has bounds of its own.
+    schema["anyOf"] = ["bounds", "map", "plan"].map(|key| json!({ "required": [key] })).into();
+    schema["not"] = json!({ "required": ["map", "plan"] });
+    schema
+}
+
+fn point(about: &str) -> Value {
+    pair(about, -METRES, METRES)
+}
+
+fn length(about: &str) -> Value {
+    between(about, LEAST, METRES)
+}
+
+fn texture() -> (&'static str, Value) {
+    ("texture", between("Share of the surface with edges to match: 1 all of it, 0 none", 0.0, 1.0))
+}
+
+/// What a scene is called and what it stands on.
+fn ground() -> [(&'static str, Value); 5] {
+    let bounds = [("min", point("Lower-left corner, m")), ("max", point("Upper-right corner, m"))];
+    let map = [
+        ("file", text("YAML file of a ROS map, relative to this file")),
+        ("origin", point("Lower-left corner of the map in the scene, in place of its own, m")),
+        texture(),
+    ];
+    let plan = [
+        ("file", text("JSON file of a floor plan, relative to this file")),
+        ("thickness", between("Thickness of the walls along its outline, m", 1e-3, 10.0)),
+        texture(),
+    ];
+    [
+        ("name", name("Short name: part of file names", 32)),
+        ("description", line("One line about the scene")),
+        ("bounds", table("What the map covers", &bounds, &["min", "max"])),
+        ("map", table("A map that a robot built", &map, &["file"])),
+        ("plan", table("A floor plan; what is outside is not scored", &plan, &["file"])),
+    ]
+}
+
+fn obstacles() -> [(&'static str, Value); 4] {
+    let wall = [
+        ("from", point("One end, m")),
+        ("to", point("The other end, m")),
+        ("thickness", length("Thickness, m")),
+        texture(),
+    ];
+    let rectangle = [
+        ("center", point("Centre, m")),
+        ("size", pair("Width and height, m", LEAST, METRES)),
+        ("rotation_deg", between("Turned by so many degrees", -360.0, 360.0)),
+        texture(),
+    ];
+    let disc = [("center", point("Centre, m")), ("radius", length("Radius, m")), texture()];
+    let mut corners = list("Corners in order, the first only once", point("A corner, m"), 3);
+    corners["maxItems"] = json!(1000);
+    let polygon = [("points", corners), texture()];
+    let all = |about: &str, keys: &[(&str, Value)], required: &[&str]| list(about, table(about, keys, required), 0);
+    [
+        ("wall", all("A straight wall", &wall, &["from", "to", "thickness"])),
+        ("box", all("A box, as seen from above", &rectangle, &["center", "size"])),
+        ("disc", all("A disc", &disc, &["center", "radius"])),
+        ("polygon", all("An outline that does not touch itself", &polygon, &["points"])),
+    ]
+}
+
+/// The way of the robot, and where maps are judged.
+fn drive() -> [(&'static str, Value); 4] {
+    let mut waypoints =
+        json!({ "description": "Named points", "type": "object", "additionalProperties": point("A point, m") });
+    waypoints["propertyNames"] = json!({ "minLength": 1, "maxLength": 32 });
+    let stops = |about| list(about, text("Name of a waypoint"), 1);
+    let route = [("stops", list("Waypoints in the order of the drive", text("Name of a waypoint"), 2))];
+    let stage = [
+        ("name", name("Name of the stage", 32)),
+        ("after", stops("The first stops of the route, up to where the stage ends; in the last stage all")),
+        ("label", line("What tables call it")),
+    ];
+    let area = [
+        ("name", name("Name of the region", 32)),
+        ("center", point("Centre of a disc, m")),
+        ("radius", length("Radius of a disc, m")),
+        ("min", point("Lower-left corner of a rectangle, m")),
+        ("max", point("Upper-right corner of a rectangle, m")),
+        ("claims", flag("Whether the paper's claims are checked here")),
+    ];
+    let mut region = table("A part of the world that maps are judged in", &area, &["name"]);
+    region["oneOf"] = json!([
+        { "required": ["center", "radius"], "not": { "anyOf": [{ "required": ["min"] }, { "required": ["max"] }] } },
+        { "required": ["min", "max"], "not": { "anyOf": [{ "required": ["center"] }, { "required": ["radius"] }] } },
+    ]);
+    [
+        ("waypoints", waypoints),
+        ("route", table("The drive", &route, &["stops"])),
+        ("stage", list("Maps are judged after each stage", table("A stage", &stage, &["name", "after"]), 0)),
+        ("region", list("Parts of the world that maps are judged in", region, 0)),
+    ]
+}
+
+/// The tables that families have too.
+pub(super) fn shared() -> [(&'static str, Value); 4] {
+    let camera =
+        [("columns", whole("Image columns", &COLUMNS)), ("field_of_view_deg", number("Field of view", &FIELD_OF_VIEW))];
+    let sensor = [
+        ("focal_baseline", number("Focal length times baseline", &FOCAL_BASELINE)),
+        ("max_disparity", number("Largest disparity searched", &SEARCH)),
+        ("correct_match", number("Share of correct matches", &PROBABILITY)),
+        ("disparity_sigma", number("Standard deviation of a correct disparity", &SIGMA)),
+        ("detection_rate", number("Share of the columns with an edge to match", &PROBABILITY)),
+        ("quantisation", number("Step that disparities are rounded to", &STEP)),
+        ("mismatches", word("How false matches come", ["independent", "clustered"])),
+        ("persistence", number("Clustered: how likely a mismatch follows another", &PROBABILITY)),
+        ("copies", number("Clustered: share of copies of a neighbour", &PROBABILITY)),
+        ("near_misses", number("Clustered: share of near misses", &PROBABILITY)),
+        ("copy_reach", whole("Clustered: reach of copies", &REACH)),
+    ];
+    let robot = [
+        ("radius", number("Radius", &RADIUS)),
+        ("speed", number("Speed", &SPEED)),
+        ("turn_rate_deg", number("Turning on the spot", &TURN_RATE)),
+        ("scan_interval", number("Time between scans", &INTERVAL)),
+    ];
+    let grid = [("cell", between("Side of a cell, m", 1e-4, 1e3))];
+    [
+        ("grid", table("The cells of the map", &grid, &[])),
+        ("camera", table("The stereo camera", &camera, &[])),
+        ("sensor", table("Its noise", &sensor, &[])),
+        ("robot", table("The robot", &robot, &[])),
+    ]
+}
