@@ -98,6 +98,7 @@ pub fn page(plan: &Plan, rows: &Rows, record: &Value, pictures: &[Picture], view
         sections: sections(plan, rows, pictures),
         configuration: serde_json::to_string_pretty(&record["configuration"]).map_err(Failure::internal)?,
         files: record["files"].as_array().into_iter().flatten().filter_map(Value::as_str).map(str::to_owned).collect(),
+        ..Page::default()
     })
 }
 

@@ -87,6 +87,7 @@ pub(super) fn write(staging: &mut Staging, told: &Told) -> Result<(), Failure> {
         ],
         configuration: serde_json::to_string_pretty(&configuration).map_err(Failure::internal)?,
         files,
+        ..Page::default()
     };
     let html = page::page(&page)?;
     staging.write("report.html", |out| out.write_all(html.as_bytes()))?;

@@ -87,6 +87,7 @@ pub(crate) fn page(
         ],
         configuration: serde_json::to_string_pretty(&record["configuration"]).map_err(Failure::internal)?,
         files: record["files"].as_array().into_iter().flatten().filter_map(Value::as_str).map(str::to_owned).collect(),
+        ..Page::default()
     })
 }
 

@@ -118,6 +118,7 @@ fn laid(made: &Made, record: &Value, tables: &Tables, pictures: Vec<Picture>) ->
         ],
         configuration: format!("{:#}", record["configuration"]),
         files: files.map(str::to_owned).collect(),
+        ..Page::default()
     })
 }
 
