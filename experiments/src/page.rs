@@ -3,6 +3,7 @@
 //! A [`Page`] is a plain value: claims, a [`Viewer`] of the maps, and sections of tables and pictures.
 //! Every command that leaves a report fills one in and hands it to [`page`].
 
+mod command;
 mod encoding;
 mod folder;
 mod glossary;
@@ -17,6 +18,7 @@ use askama::Template;
 use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
 
+pub use command::command_line;
 pub use encoding::{DecodedMapper, DecodedWorld, decoded};
 pub use folder::Folder;
 pub use part::{Cell, Part, Picture, Section, Sheet, Tone};
@@ -48,6 +50,8 @@ pub struct Page {
     pub claims: Vec<Claim>,
     /// Maps to look into.
     pub viewer: Option<Viewer>,
+    /// The same as [`viewed`] gives it, of a page that has no viewer of its own.
+    pub viewed: Option<String>,
     /// Pictures and tables.
     pub sections: Vec<Section>,
     /// What to type to run it again; empty where that is not known.
@@ -97,7 +101,7 @@ impl Filled<'_> {
     /// What the head of a column means, if it is a metric.
     fn about(&self, head: &str) -> Option<&str> {
         let metric = glossary::metric_of(head);
-        Some(self.glossary.iter().find(|term| term.name == metric)?.formula.as_str())
+        Some(self.glossary.iter().find(|term| term.is_of(&metric))?.formula.as_str())
     }
 }
 
@@ -111,7 +115,12 @@ fn spoken_of(page: &Page) -> Vec<Term> {
     let heads = sheets.flat_map(|sheet| &sheet.heads).map(|head| glossary::metric_of(head));
     let viewed = page.viewer.iter().flat_map(|viewer| &viewer.worlds).flat_map(|world| &world.metrics);
     let names: BTreeSet<String> = heads.chain(viewed.map(|(name, _)| name.clone())).collect();
-    glossary::terms().into_iter().filter(|term| names.contains(&term.name)).collect()
+    glossary::terms().into_iter().filter(|term| term.names.iter().any(|name| names.contains(name))).collect()
+}
+
+/// A viewer as text that can be kept in a file; nothing of one that does not fit its budget.
+pub fn viewed(viewer: &Viewer) -> Option<String> {
+    encoding::json(viewer)
 }
 
 /// Renders the page. The same page gives the same bytes.
@@ -119,7 +128,7 @@ fn spoken_of(page: &Page) -> Vec<Term> {
 /// # Errors
 /// A template that cannot be filled.
 pub fn page(page: &Page) -> Result<String, Failure> {
-    let viewer = page.viewer.as_ref().and_then(encoding::json);
+    let viewer = page.viewer.as_ref().map_or_else(|| page.viewed.clone(), viewed);
     let filled = Filled {
         left_out: page.viewer.is_some() && viewer.is_none(),
         failed: page.claims.iter().filter(|claim| !claim.holds).count(),

@@ -59,7 +59,10 @@ pub(super) fn json(viewer: &Viewer) -> Option<String> {
 
 /// Leaves out every second moment that is not the end of a stage.
 fn thin(world: &mut ViewedWorld) {
-    let ends: Vec<usize> = world.stages.iter().map(|stage| stage.scans).collect();
+    let mut ends: Vec<usize> = world.stages.iter().map(|stage| stage.scans).collect();
+    if world.stages.is_empty() {
+        ends.extend(world.moments.first().map(|moment| moment.scans)); // where its maps stand
+    }
     let mut between = 0;
     world.moments.retain(|moment| {
         let end = ends.contains(&moment.scans);
@@ -84,7 +87,8 @@ fn world(world: &ViewedWorld) -> Value {
     let regions = world.regions.iter().map(|(name, cells)| json!({ "name": name, "cells": mask(cells) }));
     let truth = world.truth.as_ref().map(|truth| raster(&truth.map(|cell| cell.map_or(2, u8::from)), 3));
     let part = |p: &Option<Region>| p.map_or(0, |part| 1 + PARTS.iter().position(|r| *r == part).unwrap_or(0) as u8);
-    let parts: Vec<Vec<u8>> = world.moments.iter().map(|m| m.parts.map(part).values().to_vec()).collect();
+    let parts: Vec<Vec<u8>> =
+        world.moments.iter().filter_map(|m| Some(m.parts.as_ref()?.map(part).values().to_vec())).collect();
     let millimetres = |at: &[f64; 2]| at.map(|m| json!((m * 1e3).round() / 1e3));
     let mappers: Vec<Value> = world.mappers.par_iter().map(|mapper| mapped(world, mapper)).collect();
     json!({

@@ -3,8 +3,8 @@
 /// A row of the glossary.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Term {
-    /// Name of the metric, as in files.
-    pub(super) name: String,
+    /// Names of the metrics that it explains, as in files.
+    pub(super) names: Vec<String>,
     /// What it is.
     pub(super) formula: String,
     /// Its unit.
@@ -28,22 +28,24 @@ const TITLES: [(&str, &str); 11] = [
     ("shift", "recalibrated_log_loss"),
 ];
 
-/// All terms, one per metric.
+impl Term {
+    /// Whether it explains a metric.
+    pub(super) fn is_of(&self, metric: &str) -> bool {
+        self.names.iter().any(|name| name == metric)
+    }
+}
+
+/// All terms, in the order of the guide.
 pub(super) fn terms() -> Vec<Term> {
     let rows = include_str!("../../guide/glossary.md").lines().filter(|line| line.starts_with("| `"));
-    rows.flat_map(|row| {
+    rows.map(|row| {
         // A bar within a formula stands behind a backslash.
         let row = row.replace("\\|", "\u{0}");
         let cells: Vec<String> =
             row.trim_matches('|').split('|').map(|cell| cell.trim().replace('\u{0}', "|")).collect();
         let [names, formula, unit, better] = cells.try_into().unwrap_or_default();
-        let term = |name: &str| Term {
-            name: name.trim_matches('`').to_owned(),
-            formula: formula.clone(),
-            unit: unit.clone(),
-            better: better.clone(),
-        };
-        names.split(", ").map(term).collect::<Vec<_>>()
+        let names = names.split(", ").map(|name| name.trim_matches('`').to_owned()).collect();
+        Term { names, formula, unit, better }
     })
     .collect()
 }
@@ -63,7 +65,7 @@ mod tests {
     #[test]
     fn every_metric_is_explained_and_found_by_its_heads() {
         let terms = terms();
-        let find = |name: &str| terms.iter().find(|term| term.name == name);
+        let find = |name: &str| terms.iter().find(|term| term.is_of(name));
         for criterion in CRITERIA {
             let term = find(criterion.metric).unwrap_or_else(|| panic!("{} is not in the glossary", criterion.metric));
             assert!(!term.formula.is_empty() && !term.better.is_empty(), "{term:?}");

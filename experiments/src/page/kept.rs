@@ -38,7 +38,7 @@ struct World {
     /// The maps.
     occupancy: [String; 2],
     /// As [`Frame::exact`].
-    exact: Vec<Vec<[Value; EXACT.len()]>>,
+    exact: Vec<Vec<[Option<f64>; EXACT.len()]>>,
     /// As [`ViewedWorld::metrics`].
     metrics: Vec<(String, String)>,
     /// As [`Mapped::scores`].
@@ -60,14 +60,13 @@ pub fn save(staging: &mut Staging, viewer: &Viewer, mapper: &str) -> Result<(), 
         let row = |(region, values): &(String, Vec<Option<f64>>)| {
             (region.clone(), values.iter().map(|value| optional(*value)).collect())
         };
-        let exact = |frame: &Frame| frame.exact.iter().map(|row| row.map(optional)).collect();
         Some(World {
             name: world.name.clone(),
             seed: world.seed,
             scans: mapped.frames.iter().map(|frame| frame.scans).collect(),
             fine: mapped.frames.iter().map(|frame| frame.fine.is_some()).collect(),
             occupancy: frames_text(&mapped.frames),
-            exact: mapped.frames.iter().map(exact).collect(),
+            exact: mapped.frames.iter().map(|frame| frame.exact.clone()).collect(),
             metrics: world.metrics.clone(),
             scores: mapped.scores.iter().map(|stage| stage.iter().map(row).collect()).collect(),
         })
@@ -115,12 +114,11 @@ impl World {
         let regions = region_names(world).len();
         self.exact.iter().all(|rows| rows.len() == regions).then_some(())?;
         let films = frames(&self.occupancy, world.grid, &self.fine)?;
-        let number = |values: &[Value; EXACT.len()]| values.each_ref().map(Value::as_f64);
         let frame = |((scans, (levels, fine)), exact): ((&usize, _), &Vec<_>)| Frame {
             scans: *scans,
             levels,
             fine,
-            exact: exact.iter().map(number).collect(),
+            exact: exact.clone(),
         };
         let row =
             |(region, values): &(String, Vec<Value>)| (region.clone(), values.iter().map(Value::as_f64).collect());

@@ -64,8 +64,8 @@ pub struct Moment {
     /// After so many scans.
     pub scans: usize,
     /// The part of the map that each cell belongs to: visible, surface, shell or hidden; none where
-    /// the truth is not known.
-    pub parts: Raster<Option<Region>>,
+    /// the truth is not known. Nothing at all of a world without a truth.
+    pub parts: Option<Raster<Option<Region>>>,
 }
 
 /// One mapper's maps and scores.
@@ -145,7 +145,7 @@ fn replay(ground: &Ground, trial: &Trial, scans: &[usize]) -> Vec<Moment> {
     for (i, simulated) in trial.simulation.scans.iter().enumerate() {
         look(&mut seen, simulated);
         if scans.binary_search(&(i + 1)).is_ok() {
-            moments.push(Moment { scans: i + 1, parts: film::parts(&seen) });
+            moments.push(Moment { scans: i + 1, parts: Some(film::parts(&seen)) });
         }
     }
     moments

@@ -42,11 +42,13 @@ function offer() {
   fill(element("viewer-beside"), names, chosen.beside || (rival ?? names[0])[0]);
   element("viewer-beside").closest("label").hidden = names.length === 1;
   const named = world.regions.map((region) => [region.name, `${region.name}: a region of the scene`]);
-  const by_rays = REGIONS.map(([name, what]) => [name, `${name}: ${what}`]);
+  const scored = world.mappers.flatMap((mapper) => Object.keys(mapper.scores[0] ?? {}));
+  const by_rays = REGIONS.map(([name, what]) => [name, `${name}: ${what}`]).filter(([name]) => !scored.length || scored.includes(name));
   fill(element("viewer-region"), [by_rays[0], ...named, ...by_rays.slice(1)], chosen.region);
   // Without a truth nothing is judged by it.
   for (const name of ["truth", "error"]) input(name).closest("label").hidden = world.truth === null;
   input("looks").closest("label").hidden = !world.scans?.truth;
+  element("viewer-scan").closest("label").hidden = !world.scans;
   if (input(chosen.view).closest("label").hidden) input("occupancy").click();
   for (const id of ["viewer-region-choice", "viewer-judged"]) element(id).hidden = world.truth === null;
   offerMoments(world);

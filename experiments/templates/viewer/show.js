@@ -86,7 +86,8 @@ function title(canvas, text) {
 
 /** @param {Panel} panel */
 function titleOf(panel) {
-  if (panel.mapper.moments.length === shown.world.moments.length) return panel.name;
+  const { world } = shown;
+  if (world.truth === null || panel.mapper.moments.length === world.moments.length) return panel.name;
   if (panel.frame < 0) return `${panel.name}: solved at the ends of stages, none yet`;
   return `${panel.name}: as solved after scan ${shown.world.moments[panel.mapper.moments[panel.frame]]}`;
 }
@@ -96,7 +97,7 @@ function showTime(world) {
   const scans = world.moments[chosen.moment];
   const slider = element("viewer-time");
   slider.value = `${chosen.moment}`;
-  const text = `scan ${scans} of ${world.moments.at(-1)}` + (shown.scan ? `, ${shown.scan.time_s.toFixed(1)} s` : "");
+  const text = `scan ${scans} of ${world.moments.at(-1)}${world.truth === null ? " shown of those kept back" : ""}` + (shown.scan ? `, ${shown.scan.time_s.toFixed(1)} s` : "");
   slider.setAttribute("aria-valuetext", text);
   element("viewer-moment").textContent = text;
   element("viewer-zoom").setAttribute("aria-pressed", `${chosen.part.zoom > 1}`);
@@ -172,7 +173,7 @@ function showMetrics(scene) {
   const stage = stageNow(world);
   element("viewer-count").textContent = `${chosen.region}: ${count} cells. ` + (stage < 0
     ? "Between stages: exact; a dash is not defined here, or known at the ends of stages only."
-    : `End of stage ${world.stages[stage].name}: the numbers of the tables${world.seed === null ? "" : ` (seed ${world.seed})`}.`);
+    : `${world.moments.length === 1 ? "The" : `End of stage ${world.stages[stage].name}: the`} numbers of the tables${world.seed === null ? "" : ` (seed ${world.seed})`}.`);
 }
 
 /** Position of a cell's centre, m. @param {World} world @param {number} cell */
@@ -215,7 +216,7 @@ function factsOf(world, ground, cell) {
     index: `${column}, ${row}`,
     truth: ground.truth ? ["free", "occupied", "not known"][ground.truth[cell]] : "not known",
     x: `${x_m.toFixed(3)} m`,
-    part: PARTS[ground.parts[chosen.moment][cell]] || "no region",
+    part: PARTS[ground.parts[chosen.moment]?.[cell] ?? 0] || "no region",
     y: `${y_m.toFixed(3)} m`,
     rays: looks ? `${looks.looks[cell]}` : "–",
   };

@@ -42,7 +42,7 @@ const maskOf = (world, text) => film(text, 1, shapeOf(world, 2))[0];
 /** @param {World} world @returns {Ground} */
 const groundOf = (world) => once(world, () => ({
   truth: world.truth === null ? null : film(world.truth, 1, shapeOf(world, 3))[0],
-  parts: film(world.parts, world.moments.length, shapeOf(world, PARTS.length)),
+  parts: film(world.parts, world.truth === null ? 0 : world.moments.length, shapeOf(world, PARTS.length)),
   regions: new Map(world.regions.map(({ name, cells }) => [name, maskOf(world, cells)])),
   scans: world.scans ? scansOf(world.scans) : [],
 }));

@@ -128,7 +128,11 @@ impl World {
         };
         let truth = |text: &String| Some(one(text, 3)?.map(|cell| [Some(false), Some(true), None][usize::from(*cell)]));
         let part = |code: &u8| usize::from(*code).checked_sub(1).map(|place| PARTS[place]);
-        let parts = film::unpacked(&bytes(&self.parts)?, self.moments.len(), self.shape(1 + PARTS.len(), 0));
+        let parts = film::unpacked(
+            &bytes(&self.parts)?,
+            if self.truth.is_some() { self.moments.len() } else { 0 },
+            self.shape(1 + PARTS.len(), 0),
+        );
         let region = |named: &Named| Some((named.name.clone(), one(&named.cells, 2)?.map(|cell| *cell == 1)));
         Some(DecodedWorld {
             name: self.name.clone(),
