@@ -2,7 +2,7 @@
 
 /** @param {string} tag @param {Object<string, string|number>} attributes @param {string} text */
 function draw(tag, attributes, text = "") {
-  const drawn = document.createElementNS("http://www.w3.org/2000/svg", tag);
+  const drawn = document.createElementNS(element("viewer-strip").namespaceURI, tag);
   for (const [name, value] of Object.entries(attributes)) drawn.setAttribute(name, `${value}`);
   drawn.textContent = text;
   return drawn;
