@@ -323,7 +323,10 @@ fn colours_say_what_the_files_hold() {
     browser.choose("region", "all");
     browser.click("#viewer-scan");
     // Lines are drawn over the way of the robot and around X, and a bar in the corner: other cells are free of them.
-    let clear = |cell: &usize| !(6..15).contains(&(cell / SIZE[0])) && !(cell / SIZE[0] < 3 && cell % SIZE[0] < 12);
+    let clear = |cell: &usize| {
+        let (column, row) = (cell % SIZE[0], cell / SIZE[0]);
+        !(6..15).contains(&row) && (row >= 3 || column >= 12)
+    };
     let cells: Vec<usize> = (0..SIZE[0] * SIZE[1]).filter(clear).collect();
     let mut checked = [0; 5];
     let mut check = |what: usize, holds: bool, cell: usize| {
