@@ -7,6 +7,8 @@ pub mod condition;
 pub mod criteria;
 pub mod drives;
 pub mod faults;
+pub mod film;
+pub mod levels;
 pub mod map_file;
 pub mod mappers;
 pub mod reading;

@@ -10,6 +10,7 @@ use std::path::Path;
 use std::process::Output;
 
 use assert_cmd::Command;
+use experiments::page::decoded;
 use experiments::worlds::run::Ground;
 use flate2::Compression;
 use flate2::write::GzEncoder;
@@ -92,6 +93,20 @@ fn a_simulated_log_ranks_mappers_as_the_truth_does() {
         }
     }
     assert!(row("visibility-chain").1 < row("conventional").2);
+    // The page has the maps of the files, and scans that were kept back.
+    let html = fs::read_to_string(folder.path().join("o/report.html")).expect("text");
+    let world = decoded(&html).expect("a page with a viewer").remove(0);
+    assert!(world.truth.is_none() && world.moments.len() > 1, "{:?}", world.moments);
+    assert_eq!(world.readings.len(), world.moments.len() * BEAMS);
+    let names: Vec<&str> = world.mappers.iter().map(|mapper| mapper.name.as_str()).collect();
+    assert_eq!(names, ["visibility", "independent", "conventional", "log-odds-octomap", "log-odds-cartographer"]);
+    for mapper in &world.mappers {
+        let file = npy::read(&folder.path().join("o").join(format!("{}.npy", mapper.name))).expect("a map");
+        for (cell, p) in file.occupancy.iter().enumerate() {
+            let near = p.is_none_or(|p| (f64::from(p) - mapper.maps[0][cell]).abs() <= 3e-4);
+            assert!(near, "{}: cell {cell} is {p:?} in the file, {} on the page", mapper.name, mapper.maps[0][cell]);
+        }
+    }
     let mut differences = csv::Reader::from_path(folder.path().join("o/differences.csv")).expect("written");
     let differences: Vec<_> = differences.records().map(|record| record.expect("a row")).collect();
     for record in &differences {

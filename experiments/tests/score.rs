@@ -7,6 +7,7 @@ use std::fs;
 use std::path::Path;
 
 use assert_cmd::Command;
+use experiments::page::decoded;
 use grid::{GridSpec, Raster, npy};
 use proptest::prelude::*;
 use serde_json::Value;
@@ -329,7 +330,26 @@ fn a_folder_of_results_is_written_whole_and_replaces_nothing_of_others() {
         .map(|e| e.expect("entry").file_name().to_string_lossy().into_owned())
         .collect();
     names.sort();
-    assert_eq!(names, ["differences.csv", "errors.png", "metrics.csv", "reliability.png", "report.html", "run.json"]);
+    let expected =
+        ["differences.csv", "errors.png", "metrics.csv", "reliability.png", "report.html", "run.json", "viewer.json"];
+    assert_eq!(names, expected);
+    let html = fs::read_to_string(place.path().join("out/report.html")).expect("text");
+    let world = decoded(&html).expect("a page with a viewer").remove(0);
+    assert_eq!(world.mappers.iter().map(|mapper| mapper.name.as_str()).collect::<Vec<_>>(), ["good", "poor"]);
+    let loss = |mapper: usize| {
+        let (map, truth) = (&world.mappers[mapper].maps[0], world.truth.as_ref().expect("known"));
+        score::log_loss(map, truth, &truth.map(Option::is_some)).expect("probabilities").value
+    };
+    let table = fs::read_to_string(place.path().join("out/metrics.csv")).expect("text");
+    for (number, name) in ["good", "poor"].into_iter().enumerate() {
+        let row = table.lines().find_map(|row| row.strip_prefix(&format!("{name},all,log_loss,"))).expect("a row");
+        let value: f64 = row.split(',').next().and_then(|value| value.parse().ok()).expect("a number");
+        assert!(
+            loss(number).is_some_and(|page| (page - value).abs() < 2e-3),
+            "{name}: {:?} on the page, {value}",
+            loss(number)
+        );
+    }
     let metrics = fs::read_to_string(place.path().join("out/metrics.csv")).expect("text");
     assert!(metrics.starts_with("map,region,metric,value,unit,support\ngood,all,log_loss,"), "{metrics}");
     place.expect(0, &[&args[..], &["out"]].concat());

@@ -62,6 +62,16 @@ impl Retention {
         Ok(())
     }
 
+    /// How a cell that was once held free has fared: true where it was never held occupied since, false where it is
+    /// lost; none of a cell that does not count.
+    pub fn kept(&self, cell: usize) -> Option<bool> {
+        match self.cells[cell] {
+            Free::Held => Some(true),
+            Free::Lost => Some(false),
+            Free::Not | Free::Unseen | Free::Seen => None,
+        }
+    }
+
     /// Retention over the whole map, or over a mask of it. Support: the cells once held free.
     ///
     /// # Errors
@@ -162,6 +172,19 @@ mod tests {
         assert_eq!(within([false, true, true, true]), (Some(1.0), 2));
         assert_eq!(within([false, false, false, true]), (None, 0));
         assert!(retention.metric(Some(&drawn(&["..."]).map(|_| true))).is_err());
+    }
+
+    #[test]
+    fn the_fate_of_every_cell_adds_up_to_the_metric() {
+        let truth = drawn(&["....#?"]);
+        let mut retention = Retention::new(&truth);
+        let seen = Raster::new(*truth.spec(), vec![true, true, true, false, true, true]);
+        for map in [[0.1, 0.1, 0.4, 0.1, 0.1, 0.1], [0.9, 0.1, 0.4, 0.9, 0.9, 0.9]] {
+            retention.observe(&seen, &Raster::new(*truth.spec(), map.to_vec())).expect("valid");
+        }
+        let fates: Vec<_> = (0..6).map(|cell| retention.kept(cell)).collect();
+        assert_eq!(fates, [Some(false), Some(true), None, None, None, None]);
+        assert_eq!(retention.metric(None).map(|metric| metric.value), Ok(Some(0.5)));
     }
 
     #[test]

@@ -4,6 +4,7 @@
 //! until all are done ([`journal`]); then the scores are paired and judged ([`judgement`]).
 
 mod again;
+mod answer;
 mod board;
 pub mod claims;
 pub mod document;
@@ -22,6 +23,7 @@ pub mod showcase;
 pub mod tables;
 pub mod text;
 pub mod world;
+pub mod worlds;
 
 pub use again::page as renewed_page;
 pub use options::CompareOptions;

@@ -10,6 +10,7 @@ mod predictions;
 mod recalibrated;
 mod recording;
 mod seen;
+mod viewed;
 
 pub use options::ReplayOptions;
 
@@ -88,7 +89,7 @@ pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
         Predictions::of(&recording, (options.hold_out, survey.kept), &maps, &setup, options.spread(survey.sensor))?;
     outputs::tell_agreement(&recording.place(), &survey, &predictions, &setup);
     let told = outputs::Told { options, survey: &survey, setup: &setup, maps: &maps, predictions: &predictions };
-    outputs::write(&mut staging, &told)?;
+    outputs::write(&mut staging, &recording, &told)?;
     staging.publish()?;
 
     predictions.table().print(options.print.format, || outputs::text(&told))?;

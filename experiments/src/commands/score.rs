@@ -14,6 +14,7 @@ mod rows;
 mod scored;
 mod text;
 mod truth;
+mod viewed;
 
 pub use document::renewed_page;
 pub use options::ScoreOptions;
@@ -72,7 +73,7 @@ pub fn run(options: &ScoreOptions) -> Result<(), Failure> {
     let differences = against_first(&maps, &truth, &regions, options)?;
     let scored = Scored { differences, maps, shown: regions.shown(), drives };
     if let Some(mut staging) = staging {
-        outputs::write(&mut staging, &scored, &truth, regions.first(), options)?;
+        outputs::write(&mut staging, &scored, &truth, &regions, options)?;
         staging.publish()?;
     }
     rows::table(&scored.rows()).print(options.print.format, || text::text(&scored, &truth, options))?;

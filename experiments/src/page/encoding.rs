@@ -1,38 +1,51 @@
 //! Worlds as JSON that the page's script decodes.
 //!
-//! A raster over several moments is a *block*: the difference of every cell from the moment before,
-//! bytes of equal weight together, deflated (zlib), as base64. Occupancy is kept as log odds in steps
-//! of [`STEP`]; a cell never changes sides of a threshold by that, so that counts of cells are exact.
+//! Rasters are films ([`film`]), numbers are series ([`number`]), both range-coded ([`coder`]) and as base64. Occupancy
+//! is kept in [`levels`], which never change sides of a threshold, so that counts of cells are exact; at the ends of stages
+//! also in fine steps of log odds. What levels are too coarse for is there in numbers.
 
-use std::io::{Read as _, Write as _};
+mod coder;
+mod decoded;
+mod film;
+mod number;
 
 use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
-use flate2::Compression;
-use flate2::read::ZlibDecoder;
-use flate2::write::ZlibEncoder;
+use grid::Raster;
 use rayon::prelude::*;
 use score::Region;
+use sensor::Scan;
 use serde_json::{Value, json};
 
+use self::coder::{Decoder, Encoder};
+pub use self::decoded::{DecodedMapper, DecodedWorld, decoded};
+use self::film::Shape;
+use self::number::{Numbers, Series};
+use super::scans::{ReadingUnit, Scans};
 use super::viewer::{Mapped, ViewedWorld, Viewer};
 use crate::output::table::{optional, rounded};
-use crate::worlds::run::Frame;
+use crate::worlds::film::{EXACT, Frame, PARTS};
+use crate::worlds::levels::{FINE, levels};
 
-/// Step of the kept log odds, nats: p is off by at most 0.00025, the log loss of a cell by 0.001.
-pub(super) const STEP: f64 = 1e-3;
+/// Step of the metrics that frames hold.
+const EXACT_STEP: f64 = 1e-5;
 
-/// The viewer as JSON of at most `budget` bytes. Where all moments do not fit, every second one
+/// Steps of readings, px and m, and of true ranges, m.
+const DISPARITY_STEP: f64 = 0.02;
+const RANGE_STEP: f64 = 0.01;
+
+/// The viewer as JSON within its budget. Where all moments do not fit, every second one
 /// between the ends of stages is left out until they do; none if not even those ends fit.
-pub(super) fn json(viewer: &Viewer, budget: usize) -> Option<String> {
+pub(super) fn json(viewer: &Viewer) -> Option<String> {
     let mut worlds = viewer.worlds.clone();
     let mut thinned = false;
     loop {
         let coded: Vec<Value> = worlds.iter().map(world).collect();
-        let text = json!({ "step": STEP, "thinned": thinned, "worlds": coded }).to_string();
+        let scale = json!({ "levels": levels().log_odds, "fine": FINE, "exact": EXACT, "exact_step": EXACT_STEP });
+        let text = json!({ "scale": scale, "thinned": thinned, "worlds": coded }).to_string();
         // So that no name in it can end the script element that holds it.
         let text = text.replace('<', "\\u003c");
-        if text.len() <= budget {
+        if text.len() <= viewer.budget {
             return Some(text);
         }
         thinned = true;
@@ -46,7 +59,10 @@ pub(super) fn json(viewer: &Viewer, budget: usize) -> Option<String> {
 
 /// Leaves out every second moment that is not the end of a stage.
 fn thin(world: &mut ViewedWorld) {
-    let ends: Vec<usize> = world.stages.iter().map(|stage| stage.scans).collect();
+    let mut ends: Vec<usize> = world.stages.iter().map(|stage| stage.scans).collect();
+    if world.stages.is_empty() {
+        ends.extend(world.moments.first().map(|moment| moment.scans)); // where its maps stand
+    }
     let mut between = 0;
     world.moments.retain(|moment| {
         let end = ends.contains(&moment.scans);
@@ -59,21 +75,21 @@ fn thin(world: &mut ViewedWorld) {
     }
 }
 
+/// Names of the regions of [`Frame::exact`], in its order.
+pub(super) fn region_names(world: &ViewedWorld) -> Vec<&str> {
+    let by_rays = Region::ALL.iter().map(|region| region.name());
+    by_rays.chain(world.regions.iter().map(|(name, _)| name.as_str())).collect()
+}
+
 fn world(world: &ViewedWorld) -> Value {
-    let moments = world.moments.iter().map(|m| {
-        let pose = [m.pose.x_m, m.pose.y_m, m.pose.theta_rad].map(rounded);
-        json!({ "scans": m.scans, "time_s": rounded(m.time_s), "pose": pose })
-    });
     let ends = |scans| world.moments.iter().position(|moment| moment.scans == scans);
     let stages = world.stages.iter().map(|s| json!({ "name": s.name, "label": s.label, "moment": ends(s.scans) }));
-    let mask = |cells: &[bool]| block(&[cells.iter().map(|inside| u32::from(*inside)).collect()], 1);
-    let regions = world.regions.iter().map(|(name, cells)| json!({ "name": name, "cells": mask(cells.values()) }));
-    let truth = world.truth.values().iter().map(|t| t.map_or(2, u32::from)).collect();
-    let looks: Vec<Vec<u32>> = world.moments.iter().map(|m| m.looks.values().to_vec()).collect();
-    let part = |p: &Option<Region>| p.map_or(0, |part| 1 + Region::ALL.iter().position(|r| *r == part).unwrap_or(0));
-    let parts: Vec<Vec<u32>> =
-        world.moments.iter().map(|m| m.parts.values().iter().map(|p| part(p) as u32).collect()).collect();
-    let route: Vec<_> = world.route_m.iter().map(|at| at.map(|m| json!((m * 1e3).round() / 1e3))).collect();
+    let regions = world.regions.iter().map(|(name, cells)| json!({ "name": name, "cells": mask(cells) }));
+    let truth = world.truth.as_ref().map(|truth| raster(&truth.map(|cell| cell.map_or(2, u8::from)), 3));
+    let part = |p: &Option<Region>| p.map_or(0, |part| 1 + PARTS.iter().position(|r| *r == part).unwrap_or(0) as u8);
+    let parts: Vec<Vec<u8>> =
+        world.moments.iter().filter_map(|m| Some(m.parts.as_ref()?.map(part).values().to_vec())).collect();
+    let millimetres = |at: &[f64; 2]| at.map(|m| json!((m * 1e3).round() / 1e3));
     let mappers: Vec<Value> = world.mappers.par_iter().map(|mapper| mapped(world, mapper)).collect();
     json!({
         "name": world.name,
@@ -84,14 +100,14 @@ fn world(world: &ViewedWorld) -> Value {
         "height": world.grid.height,
         "prior": world.prior,
         "radius_m": world.robot_radius_m,
-        "scans": world.route_m.len(),
-        "route": route,
-        "moments": moments.collect::<Vec<_>>(),
+        "route": world.route_m.iter().map(millimetres).collect::<Vec<_>>(),
+        "scans": world.scans.as_ref().map(scans),
+        "moments": world.moments.iter().map(|moment| moment.scans).collect::<Vec<_>>(),
         "stages": stages.collect::<Vec<_>>(),
         "regions": regions.collect::<Vec<_>>(),
-        "truth": block(&[truth], 1),
-        "looks": block(&looks, 4),
-        "parts": block(&parts, 1),
+        "region_names": region_names(world),
+        "truth": truth,
+        "parts": base64(&film::packed(&parts, shape(world, 1 + PARTS.len(), 0))),
         "metrics": world.metrics,
         "mappers": mappers,
     })
@@ -99,74 +115,153 @@ fn world(world: &ViewedWorld) -> Value {
 
 fn mapped(world: &ViewedWorld, mapper: &Mapped) -> Value {
     let at = |frame: &Frame| world.moments.iter().position(|moment| moment.scans == frame.scans);
-    let codes: Vec<Vec<u32>> = mapper
-        .frames
-        .iter()
-        .map(|frame| frame.occupancy.values().iter().map(|p| u32::from(code(*p) as u16)).collect())
-        .collect();
+    let films: Vec<Vec<u8>> = mapper.frames.iter().map(|frame| frame.levels.values().to_vec()).collect();
     let stage = |regions: &Vec<(String, Vec<Option<f64>>)>| -> Value {
         let scores = regions
             .iter()
             .map(|(name, values)| (name.clone(), values.iter().map(|value| optional(*value)).collect::<Value>()));
         Value::Object(scores.collect())
     };
+    let fine: Vec<&Frame> = mapper.frames.iter().filter(|frame| frame.fine.is_some()).collect();
     json!({
         "name": mapper.name,
         "moments": mapper.frames.iter().map(at).collect::<Vec<_>>(),
-        "occupancy": block(&codes, 2),
+        "levels": base64(&film::packed(&films, shape(world, levels().log_odds.len(), levels().of(world.prior, None)))),
+        "fine_moments": fine.iter().map(|frame| at(frame)).collect::<Vec<_>>(),
+        "fine": base64(&fine_steps(&fine)),
+        "exact": exact(&mapper.frames).map(|bytes| base64(&bytes)),
         "scores": mapper.scores.iter().map(stage).collect::<Vec<_>>(),
+        "known": mapper.known.as_ref().map(mask),
     })
 }
 
-/// Log odds of `p` in steps, on the same side of 0.2, 0.5 and 0.8 as `p`.
-///
-/// Compared in f32: a mapper's 0.8 is the nearest f32 to it, which lies above the nearest f64.
-fn code(p: f32) -> i16 {
-    let odds = f64::from(p) / (1.0 - f64::from(p));
-    // ln 4 is 1386.29 steps: 1387 is the first above 0.8, -1387 the first below 0.2.
-    let bounds = match p {
-        p if p < 0.2 => (-32_767.0, -1387.0),
-        p if p <= 0.5 => (-1386.0, 0.0),
-        p if p <= 0.8 => (1.0, 1386.0),
-        _ => (1387.0, 32_767.0),
-    };
-    (libm::log(odds) / STEP).round().clamp(bounds.0, bounds.1) as i16
+fn shape(world: &ViewedWorld, values: usize, start: u8) -> Shape {
+    Shape { width: world.grid.width, cells: world.grid.cells(), values, start }
 }
 
-/// Differences between frames, as `bytes` planes of one byte, deflated, as base64.
-pub(super) fn block(frames: &[Vec<u32>], bytes: usize) -> String {
-    let mut planes = ZlibEncoder::new(Vec::new(), Compression::best());
-    let mut former = vec![0u32; frames.first().map_or(0, Vec::len)];
+fn base64(bytes: &[u8]) -> String {
+    BASE64_STANDARD.encode(bytes)
+}
+
+/// One raster of so many values.
+fn raster(cells: &Raster<u8>, values: usize) -> String {
+    let spec = cells.spec();
+    let shape = Shape { width: spec.width, cells: spec.cells(), values, start: 0 };
+    base64(&film::packed(&[cells.values().to_vec()], shape))
+}
+
+fn mask(cells: &Raster<bool>) -> String {
+    raster(&cells.map(|inside| u8::from(*inside)), 2)
+}
+
+/// What fine steps differ by from those of the levels, in the order of frames and cells.
+fn fine_steps(frames: &[&Frame]) -> Vec<u8> {
+    let mut encoder = Encoder::new();
+    let mut numbers = Numbers::default();
     for frame in frames {
-        let changes: Vec<u32> = frame.iter().zip(&former).map(|(now, before)| now.wrapping_sub(*before)).collect();
-        for plane in 0..bytes {
-            let plane: Vec<u8> = changes.iter().map(|change| change.to_le_bytes()[plane]).collect();
-            // Writing to memory does not fail.
-            let _ = planes.write_all(&plane);
+        for (step, level) in frame.fine.iter().flat_map(Raster::values).zip(frame.levels.values()) {
+            numbers.code(&mut encoder, i32::from(*step) - of_level(*level));
         }
-        former.clone_from(frame);
     }
-    BASE64_STANDARD.encode(planes.finish().unwrap_or_default())
+    encoder.finish()
 }
 
-/// The frames of a [`block`] of four bytes a cell; nothing of a text that holds other ones.
-pub(super) fn unblocked(text: &str, frames: usize, cells: usize) -> Option<Vec<Vec<u32>>> {
-    let compressed = BASE64_STANDARD.decode(text).ok()?;
-    let (whole, mut raw) = (4 * cells * frames, Vec::new());
-    ZlibDecoder::new(&*compressed).take(whole as u64 + 1).read_to_end(&mut raw).ok()?;
-    if raw.len() != whole {
-        return None;
-    }
-    let mut former = vec![0u32; cells];
-    let mut next = |planes: &[u8]| {
-        for (cell, value) in former.iter_mut().enumerate() {
-            let change: u32 = (0..4).map(|plane| u32::from(planes[plane * cells + cell]) << (8 * plane)).sum();
-            *value = value.wrapping_add(change);
-        }
-        former.clone()
-    };
-    Some(raw.chunks(4 * cells.max(1)).map(&mut next).collect())
+/// The fine step of a level.
+fn of_level(level: u8) -> i32 {
+    (levels().log_odds[usize::from(level)] / FINE).round() as i32
 }
+
+/// A series per region and metric, over all frames; none where nothing is judged.
+fn exact(frames: &[Frame]) -> Option<Vec<u8>> {
+    let mut encoder = Encoder::new();
+    let regions = frames.first().map(|frame| frame.exact.len()).filter(|regions| *regions > 0)?;
+    for region in 0..regions {
+        for metric in 0..EXACT.len() {
+            let mut series = Series::default();
+            for frame in frames {
+                series.code(&mut encoder, steps(frame.exact[region][metric], EXACT_STEP));
+            }
+        }
+    }
+    Some(encoder.finish())
+}
+
+/// A number in steps; none of what is none, or not finite.
+fn steps(value: Option<f64>, step: f64) -> Option<i32> {
+    value.filter(|value| value.is_finite()).map(|value| (value / step).round() as i32)
+}
+
+fn scans(of: &Scans) -> Value {
+    let (unit, focal_baseline, step) = match of.unit {
+        ReadingUnit::Disparity(focal_baseline) => ("px", Some(focal_baseline), DISPARITY_STEP),
+        ReadingUnit::Range => ("m", None, RANGE_STEP),
+    };
+    let mut fans: Vec<&[f64]> = Vec::new();
+    let fan = |scan: &'_ Scan, fans: &[&[f64]]| fans.iter().position(|fan| *fan == scan.bearings_rad.as_slice());
+    for scan in &of.scans {
+        if fan(scan, &fans).is_none() {
+            fans.push(&scan.bearings_rad);
+        }
+    }
+    let readings = of.scans.iter().flat_map(|scan| scan.readings.iter().map(|reading| steps(*reading, step)));
+    let truth = of.truth.as_ref().map(|truth| {
+        let rays = || truth.iter().flatten();
+        let ranges = rays().map(|ray| steps(ray.range_m, RANGE_STEP));
+        json!({ "ranges": series(ranges), "reach": series(rays().map(|ray| Some(ray.reach as i32))) })
+    });
+    json!({
+        "unit": unit,
+        "focal_baseline": focal_baseline,
+        "step": step,
+        "range_step": RANGE_STEP,
+        "fans": fans,
+        "fan": of.scans.iter().map(|scan| fan(scan, &fans)).collect::<Vec<_>>(),
+        // In full: rays are traced from them.
+        "poses": of.scans.iter().map(|scan| [scan.pose.x_m, scan.pose.y_m, scan.pose.theta_rad]).collect::<Vec<_>>(),
+        "times": of.scans.iter().map(|scan| rounded(scan.time_s)).collect::<Vec<_>>(),
+        "readings": series(readings),
+        "truth": truth,
+    })
+}
+
+fn series(values: impl Iterator<Item = Option<i32>>) -> String {
+    let (mut encoder, mut series) = (Encoder::new(), Series::default());
+    values.for_each(|value| {
+        series.code(&mut encoder, value);
+    });
+    base64(&encoder.finish())
+}
+
+/// The frames of a mapper as one text: what [`frames`] reads.
+pub(super) fn frames_text(of: &[Frame]) -> [String; 2] {
+    let Some(first) = of.first() else { return Default::default() };
+    let spec = first.levels.spec();
+    let films: Vec<Vec<u8>> = of.iter().map(|frame| frame.levels.values().to_vec()).collect();
+    let fine: Vec<&Frame> = of.iter().filter(|frame| frame.fine.is_some()).collect();
+    let shape = Shape { width: spec.width, cells: spec.cells(), values: levels().log_odds.len(), start: 0 };
+    [base64(&film::packed(&films, shape)), base64(&fine_steps(&fine))]
+}
+
+/// The levels and fine steps that [`frames_text`] wrote, of so many frames, those with fine steps marked; nothing of a
+/// text that is none, or too short to be that.
+pub(super) fn frames(text: &[String; 2], spec: grid::GridSpec, fine: &[bool]) -> Option<Vec<Film>> {
+    let [levels_text, fine_text] = text.each_ref().map(|text| BASE64_STANDARD.decode(text).ok());
+    let shape = Shape { width: spec.width, cells: spec.cells(), values: levels().log_odds.len(), start: 0 };
+    let films = film::unpacked(&levels_text?, fine.len(), shape);
+    let fine_text = fine_text?;
+    let (mut decoder, mut numbers) = (Decoder::new(&fine_text), Numbers::default());
+    let most = levels().log_odds.len();
+    films.iter().flatten().all(|level| usize::from(*level) < most).then_some(())?;
+    let of_frame = |(film, fine): (Vec<u8>, &bool)| {
+        let step = |level: &u8| (of_level(*level) + numbers.code(&mut decoder, 0)) as i16;
+        let steps = fine.then(|| Raster::new(spec, film.iter().map(step).collect()));
+        (Raster::new(spec, film), steps)
+    };
+    Some(films.into_iter().zip(fine).map(of_frame).collect())
+}
+
+/// Levels, and fine steps where there are any.
+pub(super) type Film = (Raster<u8>, Option<Raster<i16>>);
 
 #[cfg(test)]
 mod tests;

@@ -1,20 +1,19 @@
 //! What a page shows of a program's maps, in a file beside it: so that the page can be laid anew without starting the
 //! program.
 
-use grid::Raster;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::Folder;
-use super::encoding::{block, unblocked};
+use super::encoding::{frames, frames_text, region_names};
 use super::viewer::{Mapped, ViewedWorld, Viewer};
 use crate::failure::Failure;
 use crate::output::folder::Staging;
 use crate::output::table::optional;
-use crate::worlds::run::Frame;
+use crate::worlds::film::{EXACT, Frame};
 
 /// The form of the file.
-const SCHEMA_VERSION: u32 = 1;
+const SCHEMA_VERSION: u32 = 2;
 
 /// The file.
 #[derive(Serialize, Deserialize)]
@@ -31,11 +30,15 @@ struct Kept {
 #[serde(deny_unknown_fields)]
 struct World {
     name: String,
-    seed: u64,
-    /// Numbers of scans after which there are maps.
+    seed: Option<u64>,
+    /// Numbers of scans after which there are maps ...
     scans: Vec<usize>,
-    /// The maps: bits of float32, as a block.
-    occupancy: String,
+    /// ... and whether they are there in fine steps too.
+    fine: Vec<bool>,
+    /// The maps.
+    occupancy: [String; 2],
+    /// As [`Frame::exact`].
+    exact: Vec<Vec<[Option<f64>; EXACT.len()]>>,
     /// As [`ViewedWorld::metrics`].
     metrics: Vec<(String, String)>,
     /// As [`Mapped::scores`].
@@ -54,7 +57,6 @@ pub fn name(mapper: &str) -> String {
 pub fn save(staging: &mut Staging, viewer: &Viewer, mapper: &str) -> Result<(), Failure> {
     let world = |world: &ViewedWorld| {
         let mapped = world.mappers.iter().find(|mapped| mapped.name == mapper)?;
-        let bits = |frame: &Frame| frame.occupancy.values().iter().map(|p| p.to_bits()).collect();
         let row = |(region, values): &(String, Vec<Option<f64>>)| {
             (region.clone(), values.iter().map(|value| optional(*value)).collect())
         };
@@ -62,7 +64,9 @@ pub fn save(staging: &mut Staging, viewer: &Viewer, mapper: &str) -> Result<(), 
             name: world.name.clone(),
             seed: world.seed,
             scans: mapped.frames.iter().map(|frame| frame.scans).collect(),
-            occupancy: block(&mapped.frames.iter().map(bits).collect::<Vec<_>>(), 4),
+            fine: mapped.frames.iter().map(|frame| frame.fine.is_some()).collect(),
+            occupancy: frames_text(&mapped.frames),
+            exact: mapped.frames.iter().map(|frame| frame.exact.clone()).collect(),
             metrics: world.metrics.clone(),
             scores: mapped.scores.iter().map(|stage| stage.iter().map(row).collect()).collect(),
         })
@@ -105,17 +109,24 @@ pub fn add(folder: &Folder, viewer: &mut Viewer, programs: &[&str], order: &[&st
 impl World {
     /// What stood in the viewer; nothing of maps of another size.
     fn mapped(&self, name: &str, world: &ViewedWorld) -> Option<Mapped> {
-        let frames = unblocked(&self.occupancy, self.scans.len(), world.grid.cells())?;
-        let frame = |(scans, bits): (&usize, Vec<u32>)| Frame {
+        let lengths = [self.fine.len(), self.exact.len()];
+        (lengths == [self.scans.len(); 2]).then_some(())?;
+        let regions = region_names(world).len();
+        self.exact.iter().all(|rows| rows.len() == regions).then_some(())?;
+        let films = frames(&self.occupancy, world.grid, &self.fine)?;
+        let frame = |((scans, (levels, fine)), exact): ((&usize, _), &Vec<_>)| Frame {
             scans: *scans,
-            occupancy: Raster::new(world.grid, bits.into_iter().map(f32::from_bits).collect()),
+            levels,
+            fine,
+            exact: exact.clone(),
         };
         let row =
             |(region, values): &(String, Vec<Value>)| (region.clone(), values.iter().map(Value::as_f64).collect());
         Some(Mapped {
             name: name.to_owned(),
-            frames: self.scans.iter().zip(frames).map(frame).collect(),
+            frames: self.scans.iter().zip(films).zip(&self.exact).map(frame).collect(),
             scores: self.scores.iter().map(|stage| stage.iter().map(row).collect()).collect(),
+            known: None,
         })
     }
 }

@@ -15,6 +15,14 @@ pub struct Section {
     pub parts: Vec<Part>,
 }
 
+impl Section {
+    /// Its name in the address of the page.
+    pub fn id(&self) -> String {
+        let letter = |c: char| if c.is_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
+        self.heading.chars().map(letter).collect()
+    }
+}
+
 /// Something below a heading.
 #[derive(Debug)]
 pub enum Part {
@@ -40,8 +48,25 @@ pub struct Picture {
     pub name: String,
     /// What it shows.
     pub caption: String,
-    /// The PNG.
+    /// The file: PNG, or SVG by its name.
     pub bytes: Vec<u8>,
+}
+
+/// Pictures of the world, whose greys mean something: they are the same on a dark page, in a white frame. Others are
+/// charts, drawn on the page's own ground.
+const MAPS: [&str; 4] = ["errors", "maps", "regions", "scene"];
+
+impl Picture {
+    /// How it is styled.
+    pub fn class(&self) -> &'static str {
+        let stem = self.name.split('.').next().unwrap_or_default();
+        if MAPS.contains(&stem) { "map" } else { "chart" }
+    }
+
+    /// What kind of file it is.
+    pub fn media_type(&self) -> &'static str {
+        if self.name.ends_with(".svg") { "image/svg+xml" } else { "image/png" }
+    }
 }
 
 /// A table for reading: every row has one cell per head. The first column holds names.
@@ -64,6 +89,8 @@ pub struct Cell {
     pub text: String,
     /// How it is coloured.
     pub tone: Tone,
+    /// Where it leads, if anywhere.
+    pub link: Option<String>,
 }
 
 /// Colour of a cell. The text must say the same: not everybody sees colours.
@@ -92,9 +119,21 @@ impl Tone {
     }
 }
 
+impl Cell {
+    /// A text in a colour.
+    pub fn toned(text: impl Into<String>, tone: Tone) -> Self {
+        Self { tone, ..text.into().into() }
+    }
+
+    /// A text that leads somewhere.
+    pub fn link(text: impl Into<String>, to: impl Into<String>) -> Self {
+        Self { link: Some(to.into()), ..text.into().into() }
+    }
+}
+
 impl<T: Into<String>> From<T> for Cell {
     fn from(text: T) -> Self {
-        Self { text: text.into(), tone: Tone::Plain }
+        Self { text: text.into(), tone: Tone::Plain, link: None }
     }
 }
 

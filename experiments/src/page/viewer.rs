@@ -3,20 +3,28 @@
 use std::collections::BTreeSet;
 
 use grid::{GridSpec, Raster};
-use score::{Region, Sight, Sightings};
-use sensor::Pose;
+use score::{Region, Sightings};
 
-use crate::worlds::run::Stage;
-use crate::worlds::run::{Frame, Ground, Run, StageMap, Trial};
+use super::scans::Scans;
+use crate::worlds::film::{self, Frame};
+use crate::worlds::run::{Ground, Run, Stage, StageMap, Trial, look};
 
-/// Moments of a drive besides the ends of its stages: enough to see a map grow, few enough for a page.
+/// Moments of a drive besides the ends of its stages, where a page shows several worlds: enough to see a map grow.
 pub const FRAMES: usize = 24;
+
+/// Most moments of a drive that a page shows, where there is one world: the scans of a long drive.
+const MOST_FRAMES: usize = 1000;
+
+/// Most bytes that the levels of all maps may take while they are made.
+const FRAME_BYTES: usize = 256 << 20;
 
 /// Worlds to choose from.
 #[derive(Debug, Clone, Default)]
 pub struct Viewer {
     /// At least one, with names of their own.
     pub worlds: Vec<ViewedWorld>,
+    /// Most that they may add to a page, bytes.
+    pub budget: usize,
 }
 
 /// One scene, one seed, every mapper.
@@ -24,18 +32,20 @@ pub struct Viewer {
 pub struct ViewedWorld {
     /// Name of the scene.
     pub name: String,
-    /// The seed of the readings.
-    pub seed: u64,
+    /// The seed of the readings, of simulated ones.
+    pub seed: Option<u64>,
     /// The cells.
     pub grid: GridSpec,
     /// Occupancy of an unseen cell: what is painted light grey.
     pub prior: f64,
     /// The robot's radius, m.
     pub robot_radius_m: f64,
-    /// The truth: occupied, free, or not known.
-    pub truth: Raster<Option<bool>>,
-    /// Where the camera stood at every scan, m.
+    /// The truth: occupied, free, or not known; none where nothing is known of it at all.
+    pub truth: Option<Raster<Option<bool>>>,
+    /// Where the sensor went, m, where that is not where the scans were taken.
     pub route_m: Vec<[f64; 2]>,
+    /// The scans; moments are numbers of them.
+    pub scans: Option<Scans>,
     /// Moments to step through, rising; the ends of all stages are among them.
     pub moments: Vec<Moment>,
     /// The stages, in order of time.
@@ -53,15 +63,9 @@ pub struct ViewedWorld {
 pub struct Moment {
     /// After so many scans.
     pub scans: usize,
-    /// Since the start, s.
-    pub time_s: f64,
-    /// Where the camera stands.
-    pub pose: Pose,
-    /// How many rays have looked at each cell.
-    pub looks: Raster<u32>,
     /// The part of the map that each cell belongs to: visible, surface, shell or hidden; none where
-    /// the truth is not known.
-    pub parts: Raster<Option<Region>>,
+    /// the truth is not known. Nothing at all of a world without a truth.
+    pub parts: Option<Raster<Option<Region>>>,
 }
 
 /// One mapper's maps and scores.
@@ -73,6 +77,8 @@ pub struct Mapped {
     pub frames: Vec<Frame>,
     /// At the end of every stage the values of [`ViewedWorld::metrics`] by region, as the tables have them.
     pub scores: Vec<Vec<(String, Vec<Option<f64>>)>>,
+    /// The cells that the map says anything of, where it does not say it of all that were seen.
+    pub known: Option<Raster<bool>>,
 }
 
 /// The numbers of scans for [`Keep::frames`](crate::worlds::run::Keep): about `count`, evenly over the
@@ -84,17 +90,25 @@ pub fn moments(ground: &Ground, count: usize) -> Vec<usize> {
     even.chain(ends).filter(|scan| (1..=scans).contains(scan)).collect::<BTreeSet<_>>().into_iter().collect()
 }
 
+/// All scans of a drive, or as many as there is room for with so many mappers.
+pub fn every_moment(ground: &Ground, mappers: usize) -> Vec<usize> {
+    let room = FRAME_BYTES / (ground.scene.grid.cells() * mappers.max(1)).max(1);
+    moments(ground, ground.scans().min(MOST_FRAMES).min(room.max(FRAMES)))
+}
+
 impl ViewedWorld {
     /// The world of a trial that still has its scans, and frames at `scans` as [`moments`] gives them.
     pub fn new(ground: &Ground, trial: &Trial, stages: &[Stage], scans: &[usize]) -> Self {
+        let simulated = &trial.simulation.scans;
         Self {
             name: ground.scene.name.clone(),
-            seed: trial.seed,
+            seed: Some(trial.seed),
             grid: ground.scene.grid,
             prior: ground.prior,
             robot_radius_m: ground.scene.robot.radius_m,
-            truth: ground.truth.clone(),
-            route_m: ground.drive.poses.iter().map(|timed| timed.pose.position_m()).collect(),
+            truth: Some(ground.truth.clone()),
+            route_m: Vec::new(),
+            scans: Some(Scans::simulated(simulated, &ground.truth, ground.scene.matcher.stereo.focal_baseline)),
             moments: replay(ground, trial, scans),
             stages: stages.to_vec(),
             regions: ground.scene.regions.iter().map(|r| (r.name.clone(), r.mask(&ground.scene.grid))).collect(),
@@ -113,6 +127,7 @@ fn mapped(run: &Run) -> Mapped {
         name: run.mapper.to_owned(),
         frames: run.frames.clone(),
         scores: run.stages.iter().map(by_region).collect(),
+        known: None,
     }
 }
 
@@ -128,24 +143,10 @@ fn replay(ground: &Ground, trial: &Trial, scans: &[usize]) -> Vec<Moment> {
     let mut seen = Sightings::new(&ground.truth);
     let mut moments = Vec::with_capacity(scans.len());
     for (i, simulated) in trial.simulation.scans.iter().enumerate() {
-        for (ray, &range_m) in simulated.scan.rays().zip(&simulated.true_ranges_m) {
-            seen.add(&Sight { origin_m: ray.origin_m, direction: ray.direction, range_m });
-        }
-        if scans.contains(&(i + 1)) {
-            moments.push(Moment {
-                scans: i + 1,
-                time_s: simulated.scan.time_s,
-                pose: simulated.scan.pose,
-                looks: seen.looks().clone(),
-                parts: parts(&seen, &ground.scene.grid),
-            });
+        look(&mut seen, simulated);
+        if scans.binary_search(&(i + 1)).is_ok() {
+            moments.push(Moment { scans: i + 1, parts: Some(film::parts(&seen)) });
         }
     }
     moments
-}
-
-fn parts(seen: &Sightings, grid: &GridSpec) -> Raster<Option<Region>> {
-    let four = [Region::Visible, Region::Surface, Region::Shell, Region::Hidden];
-    let part = |cell| four.into_iter().find(|region| seen.contains(*region, cell));
-    Raster::new(*grid, (0..grid.cells()).map(part).collect())
 }

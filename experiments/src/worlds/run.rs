@@ -13,6 +13,7 @@ use sensor::{Scan, Stereo};
 use serde::Serialize;
 
 use super::drives::{self, DriveOptions};
+use super::film::{self, Frame, Judge};
 use crate::failure::Failure;
 
 /// What does not depend on the seed: the scene, the way through it, and the truth.
@@ -87,15 +88,6 @@ pub struct Run {
 pub struct ProgramRun {
     /// What it wrote to standard error, stage by stage, as far as that is kept.
     pub stderr: Vec<String>,
-}
-
-/// A map on the way.
-#[derive(Debug, Clone)]
-pub struct Frame {
-    /// After so many scans.
-    pub scans: usize,
-    /// Occupancy, 0 to 1.
-    pub occupancy: Raster<f32>,
 }
 
 /// A moment at which the maps were looked at.
@@ -204,6 +196,7 @@ impl Ground {
         let setup = |entry: &Entry| if entry.kind == Kind::NoiseFree { &sharp } else { setup };
         let mut walks: Vec<Walk> = mappers.iter().map(|entry| Walk::new(entry, setup(entry), &self.truth)).collect();
         let noise_free = mappers.iter().any(|entry| entry.kind == Kind::NoiseFree);
+        let named: Vec<_> = self.scene.regions.iter().map(|region| region.mask(self.truth.spec())).collect();
         for (i, simulated) in simulation.scans.iter().enumerate() {
             look(&mut seen, simulated);
             let stages = simulation.stages.iter().filter(|stage| stage.scans == i + 1).count();
@@ -215,7 +208,8 @@ impl Ground {
                 observable: keep.timeline.then(|| seen.mask(Region::Observable)),
                 stages,
                 reached: (stages > 0).then(|| seen.looks().map(|looks| *looks > 0)),
-                frame: keep.frames.contains(&(i + 1)),
+                parts: keep.frames.binary_search(&(i + 1)).is_ok().then(|| film::parts(&seen)),
+                named: &named,
                 last: i + 1 == simulation.scans.len(),
             };
             walks.par_iter_mut().enumerate().try_for_each(|(number, walk)| {
@@ -287,7 +281,10 @@ struct Now<'a> {
     stages: usize,
     /// The cells that a ray has crossed or hit, where a stage ends.
     reached: Option<Raster<bool>>,
-    frame: bool,
+    /// The part of every cell, where the map is to be kept.
+    parts: Option<Raster<Option<Region>>>,
+    /// The regions that the scene names.
+    named: &'a [Raster<bool>],
     /// Whether it is the last scan of the drive.
     last: bool,
 }
@@ -344,8 +341,15 @@ impl Walk {
         if fault.is_some() {
             return Ok(None);
         }
-        if now.frame {
-            self.run.frames.push(Frame { scans: now.scans, occupancy: map.map(|p| *p as f32) });
+        if let Some(parts) = &now.parts {
+            let judge = Judge { truth: &ground.truth, parts, named: now.named };
+            let online = self.kind != Kind::Batch;
+            self.run.frames.push(Frame {
+                scans: now.scans,
+                levels: film::in_levels(map, self.run.frames.last().map(|frame| &frame.levels)),
+                fine: (now.stages > 0).then(|| film::in_fine_steps(map)),
+                exact: judge.exact(map, online.then_some(&self.retention)),
+            });
         }
         let Some(observable) = now.observable.as_ref().filter(|_| self.kind != Kind::Batch) else { return Ok(None) };
         let moment = Moment {

@@ -1,26 +1,23 @@
 // What is chosen, and the maps that it asks for.
 
-/** @type {{step: number, thinned: boolean, worlds: World[]}} */
-const DATA = JSON.parse(document.getElementById("viewer-data")?.textContent ?? '{"worlds":[]}');
-
 /** @param {string} id @returns {any} */
 const element = (id) => document.getElementById(id);
 
-/** What is chosen. `mapper` and `beside` are names; `beside` may be "truth" or "none". */
-const chosen = { world: 0, mapper: "", beside: "", region: "observable", view: "occupancy", moment: 0,
-  /** @type {number|null} */ cursor: null, /** @type {Box|null} */ zoom: null };
+/** What is chosen. `mapper` and `beside` are names; `part` is the part of the map on the screen, see view.js. */
+const chosen = { world: 0, mapper: "", beside: "", region: "observable", view: "occupancy", moment: 0, scan: true,
+  /** @type {number|null} */ cursor: null, part: { zoom: 1, x: 0, y: 0 } };
 
-/** Of what is chosen, unpacked. @type {{world: World, ground: Ground, panels: Panel[]}|null} */
+/** @typedef {{name: string, canvas: HTMLCanvasElement, mapper: Mapper, maps: Maps, frame: number, p: (cell: number) => number}} Panel */
+
+/** Of what is chosen, unpacked. @type {{world: World, ground: Ground, panels: Panel[], scan: Scan|null}|null} */
 let shown = null;
-
-/** @typedef {{name: string, canvas: HTMLCanvasElement, mapper: Mapper|null, maps: Int16Array[]}} Panel */
 
 const REGIONS = [["observable", "what could be seen so far"], ["visible", "free cells seen so far"],
   ["surface", "obstacles seen so far"], ["shell", "just behind what was seen"], ["hidden", "the rest"],
   ["all", "every cell whose truth is known"]];
 
-/** @param {number|null|undefined} value @returns {string} */
-const digits = (value) => (value === null || value === undefined ? "–" : value.toFixed(4));
+/** @param {number|null|undefined} value @param {number} digits @returns {string} */
+const round = (value, digits = 4) => (value === null || value === undefined ? "–" : value.toFixed(digits));
 
 /** @param {HTMLSelectElement} select @param {[string, string][]} options value and text @param {string} value */
 function fill(select, options, value) {
@@ -41,21 +38,39 @@ function offer() {
   const world = DATA.worlds[chosen.world];
   const names = world.mappers.map((mapper) => [mapper.name, mapper.name]);
   fill(element("viewer-mapper"), names, chosen.mapper);
-  const rival = names.find(([name]) => name === "conventional") ?? names.at(-1);
-  const other = names.length > 1 ? rival[0] : "truth";
-  fill(element("viewer-beside"), [["truth", "the truth"], ...names, ["none", "nothing"]], chosen.beside || other);
+  const rival = names.find(([name]) => name === "conventional") ?? names.find(([name]) => name !== element("viewer-mapper").value);
+  fill(element("viewer-beside"), names, chosen.beside || (rival ?? names[0])[0]);
+  element("viewer-beside").closest("label").hidden = names.length === 1;
   const named = world.regions.map((region) => [region.name, `${region.name}: a region of the scene`]);
-  const by_rays = REGIONS.map(([name, what]) => [name, `${name}: ${what}`]);
+  const scored = world.mappers.flatMap((mapper) => Object.keys(mapper.scores[0] ?? {}));
+  const by_rays = REGIONS.map(([name, what]) => [name, `${name}: ${what}`]).filter(([name]) => !scored.length || scored.includes(name));
   fill(element("viewer-region"), [by_rays[0], ...named, ...by_rays.slice(1)], chosen.region);
+  // Without a truth nothing is judged by it.
+  for (const name of ["truth", "error"]) input(name).closest("label").hidden = world.truth === null;
+  input("looks").closest("label").hidden = !world.scans?.truth;
+  element("viewer-scan").closest("label").hidden = !world.scans;
+  if (input(chosen.view).closest("label").hidden) input("occupancy").click();
+  for (const id of ["viewer-region-choice", "viewer-judged"]) element(id).hidden = world.truth === null;
+  offerMoments(world);
+}
+
+/** @param {string} view @returns {HTMLInputElement} */
+const input = (view) => [...document.querySelectorAll("input[name=viewer-view]")].find((one) => one.value === view);
+
+/** @param {World} world */
+function offerMoments(world) {
   element("viewer-stages").replaceChildren(...world.stages.map((stage) => {
     const text = stage.label === stage.name ? stage.name : `${stage.name}: ${stage.label}`;
     const button = make("button", text, { type: "button", "data-moment": `${stage.moment}` });
     button.addEventListener("click", () => go(stage.moment));
     return button;
   }));
-  element("viewer-time").max = `${world.moments.length - 1}`;
+  const last = world.moments.length - 1;
+  for (const one of document.querySelectorAll("#viewer .moments")) one.hidden = last === 0;
+  element("viewer-stages").closest(".controls").hidden = last === 0 || world.stages.length === 0;
+  element("viewer-time").max = `${last}`;
   element("viewer-ticks").replaceChildren(...world.stages.map((s) => make("option", "", { value: `${s.moment}`, label: s.name })));
-  chosen.moment = Math.min(chosen.moment, world.moments.length - 1);
+  chosen.moment = Math.min(chosen.moment, last);
 }
 
 /** Counts choices: what was asked for first may be unpacked last. */
@@ -68,18 +83,16 @@ async function choose() {
   section.setAttribute("aria-busy", "true");
   for (const key of ["mapper", "beside", "region"]) chosen[key] = element(`viewer-${key}`).value;
   const world = DATA.worlds[chosen.world];
-  const wanted = [["viewer-left", chosen.mapper], ["viewer-right", chosen.beside]].filter(([, name]) => name !== "none");
-  try {
-    const ground = await groundOf(world);
-    const panels = await Promise.all(wanted.map(async ([id, name]) => {
-      const mapper = world.mappers.find((m) => m.name === name) ?? null;
-      return { name, canvas: element(id), mapper, maps: mapper ? await mapsOf(world, mapper) : [] };
-    }));
-    if (choice !== choices) return;
-    shown = { world, ground, panels };
-    show();
-  } catch (error) {
-    element("viewer-note").textContent = `This browser cannot unpack the maps (${error}); tables and pictures are below.`;
-  }
+  const wanted = [["viewer-left", chosen.mapper], ["viewer-right", chosen.beside]].slice(0, world.mappers.length);
+  // Lets the browser draw before the work.
+  await new Promise((resolve) => setTimeout(resolve));
+  const ground = groundOf(world);
+  const panels = wanted.map(([id, name]) => {
+    const mapper = world.mappers.find((m) => m.name === name);
+    return { name, canvas: element(id), mapper, maps: mapsOf(world, mapper), frame: -1, p: () => world.prior };
+  });
+  if (choice !== choices) return;
+  shown = { world, ground, panels, scan: null };
+  show();
   section.setAttribute("aria-busy", "false");
 }

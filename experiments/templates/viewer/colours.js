@@ -1,16 +1,18 @@
-// Colours of cells. The same in light and dark, as in the pictures: a map is a picture of the world, not of the page.
+// Colours of cells and lines. The same in light and dark: a map is a picture of the world, not of the page.
 
 /** @typedef {[number, number, number]} Colour red, green, blue, 0 to 255 */
 
-/** Okabe and Ito (2008): told apart by colour-blind readers. @type {Object<string, Colour>} */
+/** After Okabe and Ito (2008): told apart by colour-blind readers. No line has a colour of the error view. @type {Object<string, Colour>} */
 const INK = {
   unknown: [214, 222, 230],
   phantom: [213, 94, 0],
   missed: [0, 90, 178],
   right: [247, 247, 247],
-  outside: [150, 158, 172],
-  region: [213, 94, 0],
-  route: [0, 114, 178],
+  outside: [70, 80, 96],
+  region: [170, 30, 140],
+  route: [0, 130, 90],
+  reading: [240, 215, 40],
+  cursor: [255, 214, 0],
 };
 
 /** @param {Colour} a @param {Colour} b @param {number} share of b, 0 to 1 @returns {Colour} */
@@ -52,31 +54,32 @@ function looksColour(looks, most) {
   return mix(SEQUENCE[low], SEQUENCE[low + 1], Math.min(at - low, 1));
 }
 
-/** @param {Colour} colour @returns {string} */
-const css = (colour) => `rgb(${colour.join(" ")})`;
+/** @param {Colour} colour @param {number} opacity @returns {string} */
+const css = (colour, opacity = 1) => `rgb(${colour.join(" ")} / ${opacity})`;
 
 /**
- * What the colours of a view mean: a scale with labels, or patches.
- * @param {string} view @param {number} from log odds of the prior @param {number} most looks
- * @returns {{scale?: string[], labels?: string[], patches?: [string, string][]}}
+ * What the colours of cells in a view mean: scales with labels, then patches.
+ * @param {string} view @param {number} from log odds of the prior @param {number} most looks @param {boolean} truth whether it is known
+ * @returns {{scales: {stops: string[], labels: string[]}[], patches: [string, string][]}}
  */
-function legendOf(view, from, most) {
+function legendOf(view, from, most, truth) {
   const steps = [...Array(33).keys()].map((k) => k / 32);
+  const grey = (odds) => occupancyColour(odds, from);
+  const occupancy = { stops: steps.map((s) => css(grey(9.2 * s - 4.6))), labels: ["p 0.01: free", "0.5", "0.99: occupied"] };
+  const unseen = [truth ? "never seen, or truth not known" : "never seen", css(INK.unknown)];
+  const ends = [["truly free", "rgb(255 255 255)"], ["truly occupied", "rgb(0 0 0)"]];
   if (view === "error") {
-    return { scale: steps.map((s) => css(errorColour(2 * s - 1))), labels: ["−1: missed", "0: right", "+1: phantom"],
-      patches: [["truth not known", css(INK.unknown)]] };
+    return { scales: [{ stops: steps.map((s) => css(errorColour(2 * s - 1))), labels: ["−1: missed", "0: right", "+1: phantom"] }],
+      patches: [...ends, ["truth not known", css(INK.unknown)]] };
   }
   if (view === "looks") {
-    return { scale: steps.slice(1).map((s) => css(looksColour(Math.expm1(s * Math.log1p(most)), most))),
-      labels: ["1 ray", `${Math.round(Math.sqrt(most))}`, `${most} rays`], patches: [["none", css(INK.unknown)]] };
+    return { scales: [occupancy, { stops: steps.slice(1).map((s) => css(looksColour(Math.expm1(s * Math.log1p(most)), most))),
+      labels: ["1 ray", `${Math.round(Math.sqrt(most))}`, `${most} rays`] }], patches: [unseen] };
   }
-  const grey = (odds) => occupancyColour(odds, from);
   if (view === "truth") {
-    return { patches: [["free, held free", css(grey(-9))], ["free, held occupied: phantom", css(grey(9))],
+    return { scales: [], patches: [["free, held free", css(grey(-9))], ["free, held occupied: phantom", css(grey(9))],
       ["occupied, held occupied", css(overlayColour(grey(9), OCCUPIED))],
-      ["occupied, held free: missed", css(overlayColour(grey(-9), OCCUPIED))],
-      ["never seen, or truth not known", css(INK.unknown)]] };
+      ["occupied, held free: missed", css(overlayColour(grey(-9), OCCUPIED))], ["truly occupied", "rgb(0 0 0)"], unseen] };
   }
-  return { scale: steps.map((s) => css(grey(9.2 * s - 4.6))), labels: ["p 0.01: free", "0.5", "0.99: occupied"],
-    patches: [["never seen", css(INK.unknown)]] };
+  return { scales: [occupancy], patches: [unseen] };
 }

@@ -1,4 +1,4 @@
-// Time, cursor, keys and pointer; at the end, the start.
+// Time, cursor and keys; at the end, the start.
 
 /** @param {number} moment */
 function go(moment) {
@@ -7,33 +7,21 @@ function go(moment) {
   show();
 }
 
-/** @param {Box} box @param {number} cell */
-function within(box, cell) {
-  const [column, row] = [(cell % shown.world.width) - box.column, Math.floor(cell / shown.world.width) - box.row];
-  return column >= 0 && row >= 0 && column < box.columns && row < box.rows;
-}
-
 /** @param {number|null} cell @param {boolean} aloud */
 function point(cell, aloud = false) {
   if (!shown || cell === chosen.cursor) return;
   chosen.cursor = cell;
-  if (cell !== null && chosen.zoom && !within(boxOf(shown.world), cell)) chosen.zoom = boxAround(cell);
-  show();
+  const { world } = shown;
+  const box = boxOf(world);
+  const [column, row] = cell === null ? [box.x, box.y] : [cell % world.width, Math.floor(cell / world.width)];
+  const within = column + 1 > box.x && row + 1 > box.y && column < box.x + box.columns && row < box.y + box.rows;
+  if (within) show();
+  else centre(world, chosen.part.zoom, cell);
   if (aloud) showReadout(true);
 }
 
-/** The cell under the pointer. @param {PointerEvent} event @returns {number|null} */
-function cellUnder(event) {
-  const box = boxOf(shown.world);
-  const frame = event.currentTarget.getBoundingClientRect();
-  const column = Math.floor(((event.clientX - frame.left) / frame.width) * box.columns);
-  const row = box.rows - 1 - Math.floor(((event.clientY - frame.top) / frame.height) * box.rows);
-  if (column < 0 || row < 0 || column >= box.columns || row >= box.rows) return null;
-  return (box.row + row) * shown.world.width + box.column + column;
-}
-
-/** Time of one moment while playing, ms. */
-const PACE_MS = 350;
+/** Time that a whole drive takes to play, and least of one moment, ms. */
+const DRIVE_MS = 20_000, PACE_MS = 60;
 let playing = 0;
 
 /** @param {boolean} on */
@@ -41,13 +29,15 @@ function play(on) {
   clearInterval(playing);
   playing = 0;
   const last = DATA.worlds[chosen.world].moments.length - 1;
-  if (on) {
+  if (on && last > 0) {
     if (chosen.moment === last) go(0);
-    playing = setInterval(() => (chosen.moment < last ? go(chosen.moment + 1) : play(false)), PACE_MS);
+    const pace = Math.min(Math.max(DRIVE_MS / last, PACE_MS), 350);
+    playing = setInterval(() => (chosen.moment < last ? go(chosen.moment + 1) : play(false)), pace);
   }
   const button = element("viewer-play");
-  button.textContent = on ? "❚❚ Pause" : "▶ Play";
-  button.setAttribute("aria-pressed", `${on}`);
+  button.textContent = playing ? "❚❚ Pause" : "▶ Play";
+  button.setAttribute("aria-pressed", `${Boolean(playing)}`);
+  if (!playing && shown) remember();
 }
 
 /** Moves the cursor by keyboard. @param {KeyboardEvent} event */
@@ -66,29 +56,59 @@ function steer(event) {
   point(row * world.width + column, true);
 }
 
-/** Keys that work anywhere in the viewer. @param {KeyboardEvent} event */
-function shortcut(event) {
-  if (event.ctrlKey || event.metaKey || event.altKey || event.target.matches("select, summary")) return;
-  const views = [...document.querySelectorAll("input[name=viewer-view]")];
+/** Whether the viewer is on the screen: elsewhere on the page its keys are the browser's. */
+function onScreen() {
+  const { top, bottom } = element("viewer").getBoundingClientRect();
+  return top < window.innerHeight && bottom > 0;
+}
+
+/** Enlarges about the middle of what is on the screen. @param {number} by */
+function zoomMiddle(by) {
+  const { x, y, columns, rows } = boxOf(shown.world);
+  zoomAbout(shown.world, by, [x + columns / 2, y + rows / 2]);
+}
+
+/** What the keys do. @param {KeyboardEvent} event @returns {Object<string, () => void>} */
+function keysOf(event) {
   const world = DATA.worlds[chosen.world];
   const ends = world.stages.map((stage) => stage.moment);
-  const keys = {
-    " ": () => event.target.matches("button, input[type=radio]") || (event.preventDefault(), play(!playing)),
+  // The slider and the choices have arrows of their own.
+  const arrows = event.target.matches("input, canvas, [tabindex]") ? {} :
+    { ArrowLeft: () => go(chosen.moment - 1), ArrowRight: () => go(chosen.moment + 1) };
+  return {
+    ...arrows,
+    " ": () => play(!playing),
     ",": () => go(chosen.moment - 1),
     ".": () => go(chosen.moment + 1),
     "[": () => go(ends.findLast((m) => m < chosen.moment) ?? 0),
     "]": () => go(ends.find((m) => m > chosen.moment) ?? world.moments.length - 1),
     z: zoom,
+    "+": () => zoomMiddle(1.5),
+    "-": () => zoomMiddle(1 / 1.5),
+    0: () => showPart(world, 1, 0, 0),
+    s: () => element("viewer-scan").click(),
     Escape: () => point(null),
   };
-  if (keys[event.key]) keys[event.key]();
-  else if (views[Number(event.key) - 1]) views[Number(event.key) - 1].click();
+}
+
+/** Keys that work from the start, wherever the focus is. @param {KeyboardEvent} event */
+function shortcut(event) {
+  if (!shown || event.ctrlKey || event.metaKey || event.altKey || event.target.matches("select") || !onScreen()) return;
+  if (event.key === " " && event.target.matches("button, a, summary, input:not([type=range])")) return;
+  const views = [...document.querySelectorAll("input[name=viewer-view]")];
+  const view = views[Number(event.key) - 1];
+  const action = keysOf(event)[event.key] ?? (view && !view.closest("label").hidden ? () => view.click() : null);
+  if (!action) return;
+  event.preventDefault();
+  action();
 }
 
 /** Writes the choices into the address, so that a view can be kept and passed on. */
 function remember() {
-  const { world, mapper, beside, region, view, moment, cursor } = chosen;
-  const at = { scene: DATA.worlds[world].name, mapper, beside, region, view, moment, ...(cursor === null ? {} : { cell: cursor }) };
+  const { world, mapper, beside, region, view, moment, cursor, part, scan } = chosen;
+  const zoomed = part.zoom > 1 ? { part: [part.zoom, part.x, part.y].map((n) => n.toFixed(2)).join() } : {};
+  const at = { scene: DATA.worlds[world].name, mapper, beside, region, view, moment, ...zoomed,
+    ...(scan ? {} : { scan: "off" }), ...(cursor === null ? {} : { cell: cursor }) };
   try {
     history.replaceState(null, "", `#${new URLSearchParams(Object.entries(at).map(([k, v]) => [k, `${v}`]))}`);
   } catch { /* an address that may not change is no loss */ }
@@ -104,31 +124,53 @@ function recall() {
   const number = (key, below) => (/^\d+$/.test(at.get(key) ?? "") && Number(at.get(key)) < below ? Number(at.get(key)) : null);
   chosen.moment = number("moment", moments.length) ?? moments.length - 1;
   chosen.cursor = number("cell", width * height);
-  const view = [...document.querySelectorAll("input[name=viewer-view]")].find((v) => v.value === at.get("view"));
+  chosen.scan = at.get("scan") !== "off";
+  element("viewer-scan").checked = chosen.scan;
+  const [zoom, x, y] = (at.get("part") ?? "1,0,0").split(",").map(Number);
+  const sound = zoom >= 1 && zoom <= MOST_ZOOM && x >= 0 && y >= 0 && x + width / zoom <= width + 0.01 && y + height / zoom <= height + 0.01;
+  chosen.part = sound ? { zoom, x, y } : { zoom: 1, x: 0, y: 0 };
+  const view = input(at.get("view") ?? "");
   if (view) [view.checked, chosen.view] = [true, view.value];
+}
+
+/** Takes up another address: a link of this page into the viewer. */
+function follow() {
+  if (!new URLSearchParams(location.hash.slice(1)).has("scene")) return;
+  play(false);
+  recall();
+  element("viewer-scene").selectedIndex = chosen.world;
+  offer();
+  choose();
 }
 
 /** Connects the controls. */
 function listen() {
   element("viewer-scene").addEventListener("change", (event) => {
     play(false);
-    Object.assign(chosen, { world: event.target.selectedIndex, cursor: null, zoom: null, moment: Infinity });
+    Object.assign(chosen, { world: event.target.selectedIndex, cursor: null, part: { zoom: 1, x: 0, y: 0 }, moment: Infinity });
     offer();
     choose();
   });
   for (const key of ["mapper", "beside", "region"]) element(`viewer-${key}`).addEventListener("change", choose);
-  for (const input of document.querySelectorAll("input[name=viewer-view]")) {
-    input.addEventListener("change", () => { chosen.view = input.value; show(); });
+  for (const one of document.querySelectorAll("input[name=viewer-view]")) {
+    one.addEventListener("change", () => { chosen.view = one.value; show(); });
   }
+  element("viewer-scan").addEventListener("change", (event) => { chosen.scan = event.target.checked; show(); });
   element("viewer-time").addEventListener("input", (event) => go(Number(event.target.value)));
   element("viewer-play").addEventListener("click", () => play(!playing));
+  element("viewer-back").addEventListener("click", () => go(chosen.moment - 1));
+  element("viewer-on").addEventListener("click", () => go(chosen.moment + 1));
   element("viewer-zoom").addEventListener("click", zoom);
-  element("viewer").addEventListener("keydown", shortcut);
-  for (const id of ["viewer-left", "viewer-right"]) {
-    const canvas = element(id);
-    canvas.addEventListener("keydown", steer);
-    for (const kind of ["pointermove", "pointerdown"]) canvas.addEventListener(kind, (event) => shown && point(cellUnder(event)));
+  document.addEventListener("keydown", shortcut);
+  for (const id of ["viewer-first", "viewer-left", "viewer-right"]) {
+    element(id).addEventListener("keydown", steer);
+    listenToPointers(element(id));
   }
+  for (const svg of document.querySelectorAll("#viewer .curve")) {
+    const follow = (event) => shown && event.buttons && go(momentUnder(event, svg));
+    for (const kind of ["pointerdown", "pointermove"]) svg.addEventListener(kind, follow);
+  }
+  window.addEventListener("hashchange", follow);
   new ResizeObserver(() => show()).observe(element("viewer-maps"));
   // A printed page cannot be opened further.
   window.addEventListener("beforeprint", () => document.querySelectorAll("details").forEach((d) => (d.open = true)));

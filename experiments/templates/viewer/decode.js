@@ -1,77 +1,125 @@
 "use strict";
-// Unpacks what the program packed (experiments/src/report/encoding.rs). Nothing is fetched.
+// Unpacks what the program packed (experiments/src/page/encoding). Nothing is fetched.
 
-/**
- * @typedef {{scans: number, time_s: number, pose: number[]}} Moment
- * @typedef {{name: string, label: string, moment: number}} Stage
- * @typedef {{name: string, moments: number[], occupancy: string, scores: Object<string, (number|null)[]>[]}} Mapper
- * @typedef {{name: string, seed: number, cell_m: number, origin_m: number[], width: number, height: number, prior: number,
- *   radius_m: number, scans: number, route: number[][], moments: Moment[], stages: Stage[],
- *   regions: {name: string, cells: string}[], truth: string, looks: string, parts: string,
- *   metrics: string[][], mappers: Mapper[]}} World
- * @typedef {{truth: Uint8Array, looks: Uint32Array[], parts: Uint8Array[], regions: Map<string, Uint8Array>}} Ground
- */
+/** Decoder of an adaptive binary range coder (encoding/coder.rs). A model is the probability of a zero, of 2048. */
+class Decoder {
+  /** @param {string} text base64 */
+  constructor(text) {
+    this.bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+    [this.at, this.code, this.range] = [0, 0, 0xffffffff];
+    for (let k = 0; k < 5; k++) this.code = ((this.code << 8) | this.next()) >>> 0;
+  }
 
-/** Truth of a cell. */
-const FREE = 0, OCCUPIED = 1, UNKNOWN = 2;
+  next() { return this.at < this.bytes.length ? this.bytes[this.at++] : 0; }
 
-/** Names of the parts of a map, as coded: 0 is no part. */
-const PARTS = ["", "visible", "surface", "shell", "hidden"];
+  /** @param {Uint16Array} models @param {number} index @returns {number} 0 or 1 */
+  bit(models, index) {
+    const model = models[index];
+    const bound = (this.range >>> 11) * model;
+    let bit = 0;
+    if (this.code < bound) {
+      this.range = bound;
+      models[index] = model + ((2048 - model) >> 5);
+    } else {
+      this.code -= bound;
+      this.range -= bound;
+      models[index] = model - (model >> 5);
+      bit = 1;
+    }
+    while (this.range < 0x1000000) {
+      this.range = (this.range << 8) >>> 0;
+      this.code = ((this.code << 8) | this.next()) >>> 0;
+    }
+    return bit;
+  }
 
-/** @param {string} text base64 of zlib @returns {Promise<Uint8Array>} */
-async function inflate(text) {
-  const packed = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
-  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
-  return new Uint8Array(await new Response(stream).arrayBuffer());
+  /** An Elias gamma code: its length, then its bits. @param {Uint16Array} longer @param {number} from @param {Uint16Array} bits
+   * @param {number} most @returns {[number, number]} the number and its length */
+  gamma(longer, from, bits, most) {
+    let length = 0;
+    while (length + 1 < most && this.bit(longer, from + length)) length++;
+    let found = 1;
+    for (let place = length - 1; place >= 0; place--) found = (found << 1) | this.bit(bits, length * most + place);
+    return [found, length];
+  }
+}
+
+/** @param {number} count @returns {Uint16Array} */
+const models = (count) => new Uint16Array(count).fill(1024);
+
+/** Signed numbers (encoding/number.rs). */
+class Numbers {
+  constructor() {
+    const length = 24, contexts = 9;
+    Object.assign(this, { length, contexts, zero: models(contexts), negative: models(contexts), former: 0 });
+    [this.longer, this.bits] = [models(length * contexts), models(length * length)];
+  }
+
+  /** @param {Decoder} decoder @returns {number} */
+  next(decoder) {
+    const context = Math.min(this.former, this.contexts - 1);
+    this.former = 0;
+    if (decoder.bit(this.zero, context)) return 0;
+    const negative = decoder.bit(this.negative, context);
+    const [size, length] = decoder.gamma(this.longer, context * this.length, this.bits, this.length);
+    this.former = length + 1;
+    return negative ? -size : size;
+  }
+}
+
+/** Numbers that may be missing, as differences (encoding/number.rs). */
+class Series {
+  constructor() { Object.assign(this, { missing: models(2), differences: new Numbers(), wasMissing: 0, former: 0 }); }
+
+  /** @param {Decoder} decoder @returns {number|null} */
+  next(decoder) {
+    this.wasMissing = decoder.bit(this.missing, this.wasMissing);
+    if (this.wasMissing) return null;
+    this.former += this.differences.next(decoder);
+    return this.former;
+  }
+}
+
+/** @param {string} text @param {number} count @param {number} step @returns {(number|null)[]} */
+function series(text, count, step) {
+  const [decoder, numbers] = [new Decoder(text), new Series()];
+  return Array.from({ length: count }, () => {
+    const value = numbers.next(decoder);
+    return value === null ? null : value * step;
+  });
 }
 
 /**
- * One array per frame. Every frame is stored as its difference from the one before, low bytes first.
- * @template {Uint8Array|Int16Array|Uint32Array} T
- * @param {string} text @param {number} cells @param {{new(length: number): T, BYTES_PER_ELEMENT: number}} Kind
- * @returns {Promise<T[]>}
+ * Rasters of bytes (encoding/film.rs).
+ * @param {string} text @param {number} count @param {{width: number, cells: number, values: number, start: number}} shape
+ * @returns {Uint8Array[]}
  */
-async function frames(text, cells, Kind) {
-  const bytes = await inflate(text);
-  const size = Kind.BYTES_PER_ELEMENT;
+function film(text, count, { width, cells, values, start }) {
+  const ZONES = 8, LENGTH = 8;
+  const decoder = new Decoder(text), bounds = new Numbers();
+  const [changes, downs, longer, bits] = [16 * ZONES, 3 * ZONES, 2 * LENGTH, LENGTH * LENGTH].map(models);
+  const cell = new Uint8Array(cells).fill(start), last = new Uint8Array(cells);
+  let [now, before] = [new Uint8Array(cells), new Uint8Array(cells)];
   const all = [];
-  for (let at = 0; at < bytes.length; at += size * cells) {
-    const frame = new Kind(cells);
-    const former = all.at(-1);
-    for (let cell = 0; cell < cells; cell++) {
-      let change = 0;
-      for (let plane = 0; plane < size; plane++) change |= bytes[at + plane * cells + cell] << (8 * plane);
-      frame[cell] = former ? former[cell] + change : change;
+  for (let k = 0; k < count; k++) {
+    [now, before] = [before.fill(0), now];
+    const [left, right, bottom, top] = [0, 1, 2, 3].map(() => bounds.next(decoder));
+    for (let row = bottom; row < top; row++) {
+      for (let column = left; column < right; column++) {
+        const at = row * width + column;
+        const was = cell[at];
+        const zone = Math.floor((was * ZONES) / values);
+        const beside = column > 0 ? now[at - 1] : 0;
+        const below = row > 0 ? now[at - width] : 0;
+        const side = row > 0 && column + 1 < width ? now[at - width + 1] : 0;
+        if (!decoder.bit(changes, (8 * beside + 4 * below + 2 * side + before[at]) * ZONES + zone)) continue;
+        const down = decoder.bit(downs, zone * 3 + last[at]);
+        [now[at], last[at]] = [1, 1 + down];
+        const [size] = decoder.gamma(longer, down * LENGTH, bits, LENGTH);
+        cell[at] = down ? was - size : was + size;
+      }
     }
-    all.push(frame);
+    all.push(cell.slice());
   }
   return all;
-}
-
-/** @param {World} world @returns {Promise<Ground>} */
-async function unpackGround(world) {
-  const cells = world.width * world.height;
-  const regions = new Map();
-  for (const region of world.regions) regions.set(region.name, (await frames(region.cells, cells, Uint8Array))[0]);
-  return {
-    truth: (await frames(world.truth, cells, Uint8Array))[0],
-    looks: await frames(world.looks, cells, Uint32Array),
-    parts: await frames(world.parts, cells, Uint8Array),
-    regions,
-  };
-}
-
-/** Keeps what was unpacked, so that every block is unpacked once. @type {Map<object, Promise<any>>} */
-const unpacked = new Map();
-
-/** @param {World} world @returns {Promise<Ground>} */
-function groundOf(world) {
-  if (!unpacked.has(world)) unpacked.set(world, unpackGround(world));
-  return unpacked.get(world);
-}
-
-/** Log odds of every frame of a mapper. @param {World} world @param {Mapper} mapper @returns {Promise<Int16Array[]>} */
-function mapsOf(world, mapper) {
-  if (!unpacked.has(mapper)) unpacked.set(mapper, frames(mapper.occupancy, world.width * world.height, Int16Array));
-  return unpacked.get(mapper);
 }

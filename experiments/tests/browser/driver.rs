@@ -128,6 +128,34 @@ impl Browser {
         self.post("/actions", &json!({ "actions": [{ "type": "pointer", "id": "mouse", "actions": [step] }] }));
     }
 
+    /// Presses keys wherever the focus is.
+    pub(crate) fn type_keys(&self, keys: &str) {
+        let strokes: Vec<Value> = keys
+            .chars()
+            .flat_map(|key| ["keyDown", "keyUp"].map(|kind| json!({ "type": kind, "value": key.to_string() })))
+            .collect();
+        self.post("/actions", &json!({ "actions": [{ "type": "key", "id": "keyboard", "actions": strokes }] }));
+    }
+
+    /// Drags from one point of an element to another, px from its centre.
+    pub(crate) fn drag(&self, selector: &str, from: [i64; 2], to: [i64; 2]) {
+        let origin = json!({ "element-6066-11e4-a52e-4f735466cecf": self.element(selector) });
+        let step = |[x, y]: [i64; 2]| json!({ "type": "pointerMove", "duration": 0, "origin": origin, "x": x, "y": y });
+        let press = |kind: &str| json!({ "type": kind, "button": 0 });
+        let steps = [step(from), press("pointerDown"), step(to), press("pointerUp")];
+        self.post("/actions", &json!({ "actions": [{ "type": "pointer", "id": "mouse", "actions": steps }] }));
+    }
+
+    /// What the rules of axe-core, whose source is given, find in the page: rule, how bad, and the elements.
+    pub(crate) fn findings(&self, axe: &str) -> Vec<Value> {
+        self.post("/execute/sync", &json!({ "script": axe, "args": [] }));
+        let script = "const done = arguments[arguments.length - 1];
+            axe.run(document).then(({ violations }) => done(violations.map(({ id, impact, nodes }) =>
+                [id, impact, nodes.map(({ html, failureSummary }) => [html, failureSummary])])), (error) => done([`${error}`]));";
+        let found = self.post("/execute/async", &json!({ "script": script, "args": [] }));
+        found.as_array().cloned().unwrap_or_else(|| panic!("axe-core did not run: {found}"))
+    }
+
     /// Speaks to the browser itself (Chrome DevTools Protocol).
     pub(crate) fn devtools(&self, command: &str, parameters: &Value) {
         self.post("/goog/cdp/execute", &json!({ "cmd": command, "params": parameters }));

@@ -70,7 +70,9 @@ pub fn page(folder: &Folder, record: &Value) -> Result<String, Failure> {
         repeats: if plan.repeats.is_empty() { Vec::new() } else { table(folder, "repeats.csv")? },
     };
     let pictures = folder.pictures(record, &CAPTIONS)?;
-    page::page(&document::page(&plan, &rows, record, &pictures, viewer)?)
+    let scores: Vec<Vec<_>> =
+        plan.names().iter().map(|mapper| table(folder, &outputs::scores_of(mapper))).collect::<Result<_, _>>()?;
+    page::page(&document::page(&plan, &rows, &scores.concat(), record, &pictures, viewer)?)
 }
 
 fn plan(folder: &Folder, made: Configuration) -> Result<Plan, Failure> {

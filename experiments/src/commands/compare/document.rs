@@ -5,12 +5,14 @@ use std::fmt::Write as _;
 use score::Region;
 use serde_json::Value;
 
+use super::answer::answer;
 use super::figures::CAPTIONS;
 use super::plan::Plan;
 use super::rows::Rows;
 use super::sheets::{self, ALL, OBSERVABLE, Width};
+use super::worlds::{self, WorldScore};
 use crate::failure::Failure;
-use crate::page::{Cell, Page, Part, Picture, Section, Sheet, Viewer};
+use crate::page::{Cell, Page, Part, Picture, Section, Sheet, Viewer, command_line};
 use crate::worlds::claims::{self, Claim};
 
 /// The sections, with those of the pictures that there are.
@@ -88,16 +90,27 @@ fn region_fold(rows: &Rows, mappers: &[&str], region: &str) -> Part {
 ///
 /// # Errors
 /// A record that is no JSON object.
-pub fn page(plan: &Plan, rows: &Rows, record: &Value, pictures: &[Picture], viewer: Viewer) -> Result<Page, Failure> {
+pub fn page(
+    plan: &Plan,
+    rows: &Rows,
+    scores: &[WorldScore],
+    record: &Value,
+    pictures: &[Picture],
+    viewer: Viewer,
+) -> Result<Page, Failure> {
+    let worlds = worlds::section(plan, scores, &viewer);
     Ok(Page {
+        answer: answer(plan, rows),
         title: format!("Mappers compared, {} set", plan.set.name()),
         lead: plan.set.about().to_owned(),
         facts: facts(plan),
         claims: claims::of_record(record),
         viewer: Some(viewer),
-        sections: sections(plan, rows, pictures),
+        sections: sections(plan, rows, pictures).into_iter().chain([worlds]).collect(),
         configuration: serde_json::to_string_pretty(&record["configuration"]).map_err(Failure::internal)?,
         files: record["files"].as_array().into_iter().flatten().filter_map(Value::as_str).map(str::to_owned).collect(),
+        command: command_line(record),
+        ..Page::default()
     })
 }
 

@@ -143,7 +143,9 @@ pub fn write(
     record.parts.claims.clone_from(claims);
     plan.programs.iter().try_for_each(|program| page::kept::save(staging, &viewer, &program.name))?;
     let json = record.json(&staging.files_and(&["report.html", RECORD]))?;
-    let html = page::page(&document::page(plan, rows, &json, &pictures, viewer)?)?;
+    let scores: Vec<Vec<_>> =
+        names.iter().map(|mapper| rows::of(&tables::scores(worlds, mapper))).collect::<Result<_, _>>()?;
+    let html = page::page(&document::page(plan, rows, &scores.concat(), &json, &pictures, viewer)?)?;
     staging.write("report.html", |out| out.write_all(html.as_bytes()))?;
     staging.record(&record)
 }

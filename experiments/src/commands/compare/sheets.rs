@@ -103,7 +103,7 @@ pub fn parts(rows: &Rows, mappers: &[&str], parts: &[&str], metric: &str, width:
         Some(d) if d.difference.is_some() => {
             let doubt = if d.is_sure() { "" } else { "?" };
             let text = d.difference.map_or_else(String::new, |value| format!("{value:+.decimals$}{doubt}"));
-            Cell { text, tone: tone(d) }
+            Cell::toned(text, tone(d))
         }
         _ => "-".into(),
     };
@@ -146,10 +146,8 @@ fn driven(rows: &Rows, mappers: &[&str], width: Width, caption: &str, metrics: &
         let mean =
             rows.mean(ALL, region, mapper, c.metric).map_or_else(|| "-".to_owned(), |m| format!("{m:.*}", c.decimals));
         match rows.difference(ALL, region, mapper, c.metric) {
-            Some(d) if width == Width::Page => {
-                Cell { text: format!("{mean} ({})", interval(d, c.decimals)), tone: tone(d) }
-            }
-            Some(d) => Cell { text: mean, tone: tone(d) },
+            Some(d) if width == Width::Page => Cell::toned(format!("{mean} ({})", interval(d, c.decimals)), tone(d)),
+            Some(d) => Cell::toned(mean, tone(d)),
             None => mean.into(),
         }
     };
@@ -171,7 +169,7 @@ fn driven(rows: &Rows, mappers: &[&str], width: Width, caption: &str, metrics: &
 pub fn ablations(rows: &Rows, mappers: &[&str]) -> Sheet {
     let metrics: Vec<&Criterion> = ABLATED.iter().filter_map(|metric| criterion(metric)).collect();
     let cell = |mapper: &str, c: &Criterion| match rows.difference(ALL, OBSERVABLE, mapper, c.metric) {
-        Some(d) => Cell { text: interval(d, c.decimals), tone: tone(d) },
+        Some(d) => Cell::toned(interval(d, c.decimals), tone(d)),
         None => "-".into(),
     };
     let row = |(mapper, what): &(&str, &str)| {
@@ -233,7 +231,7 @@ fn p(p: f64) -> String {
 }
 
 fn verdict(d: &Difference) -> Cell {
-    Cell { text: d.verdict.clone().unwrap_or_else(|| "-".to_owned()), tone: tone(d) }
+    Cell::toned(d.verdict.as_deref().unwrap_or("-"), tone(d))
 }
 
 /// Of the verdict on the mapper: worse is against it.

@@ -41,5 +41,5 @@ pub fn look(plan: &Plan) -> Result<(Viewer, Vec<WorldScores>), Failure> {
         Ok((world, job.score(&ground, &trial)?))
     })?;
     let (worlds, scores) = shown.into_iter().unzip();
-    Ok((Viewer { worlds }, scores))
+    Ok((Viewer { worlds, budget: page::WORLDS_BYTES }, scores))
 }

@@ -15,13 +15,15 @@ use super::figure;
 use super::mapping::Maps;
 use super::options::{LaserOptions, ReplayOptions, StereoOptions};
 use super::predictions::{Prediction, Predictions};
+use super::recording::Recording;
+use super::viewed;
 use crate::failure::Failure;
 use crate::output;
 use crate::output::folder::Staging;
 use crate::output::ledger::RECORD;
 use crate::output::record::Record;
 use crate::output::table::{self, Table};
-use crate::page::{self, Page, Part, Picture, Section, Sheet};
+use crate::page::{self, Page, Part, Picture, Section, Sheet, Viewer};
 use crate::worlds::reading;
 
 /// All that there is to tell.
@@ -42,7 +44,7 @@ pub(super) fn names(entries: &[&Entry]) -> Vec<String> {
 }
 
 /// Writes everything.
-pub(super) fn write(staging: &mut Staging, told: &Told) -> Result<(), Failure> {
+pub(super) fn write(staging: &mut Staging, recording: &Recording, told: &Told) -> Result<(), Failure> {
     let (scores, differences) = (told.predictions.table(), told.predictions.differences());
     scores.save(staging, "predictions.csv")?;
     differences.save(staging, "differences.csv")?;
@@ -69,7 +71,10 @@ pub(super) fn write(staging: &mut Staging, told: &Told) -> Result<(), Failure> {
         lead: LEAD.to_owned(),
         facts: facts(told),
         claims: Vec::new(),
-        viewer: None,
+        viewer: Some(Viewer {
+            worlds: vec![viewed::world(&name(told.options), recording, told)?],
+            budget: page::WORLD_BYTES,
+        }),
         sections: vec![
             section("The maps", MAPS, vec![Part::Picture(picture)]),
             section(
@@ -86,7 +91,11 @@ pub(super) fn write(staging: &mut Staging, told: &Told) -> Result<(), Failure> {
             section("What is in the log", "", vec![Part::Sheet(Sheet::of("Counts", &counts(told)))]),
         ],
         configuration: serde_json::to_string_pretty(&configuration).map_err(Failure::internal)?,
+        command: page::command_line(
+            &json!({ "command": "replay", "configuration": configuration, "grid": told.setup.grid }),
+        ),
         files,
+        ..Page::default()
     };
     let html = page::page(&page)?;
     staging.write("report.html", |out| out.write_all(html.as_bytes()))?;

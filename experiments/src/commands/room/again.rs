@@ -88,7 +88,10 @@ pub fn page(folder: &Folder, record: &Value) -> Result<String, Failure> {
     let metrics = outputs::metrics(&plan.ground, std::slice::from_ref(&trial), &stages);
     folder.same_numbers(&csv, &metrics, &programs)?;
     let rows = document::rows(&csv).map_err(|e| folder.refuse("metrics.csv", &e.to_string()))?;
-    let mut viewer = Viewer { worlds: vec![ViewedWorld::new(&plan.ground, &trial, &stages, &plan.frames)] };
+    let mut viewer = Viewer {
+        worlds: vec![ViewedWorld::new(&plan.ground, &trial, &stages, &plan.frames)],
+        budget: page::WORLD_BYTES,
+    };
     page::kept::add(folder, &mut viewer, &programs, &names)?;
     let pictures = folder.pictures(record, &document::PICTURES)?;
     page::page(&document::page(&plan.ground, &stages, record, &rows, pictures, viewer)?)

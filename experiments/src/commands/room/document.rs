@@ -6,7 +6,7 @@ use serde_json::Value;
 use super::summary;
 use crate::failure::Failure;
 use crate::figures;
-use crate::page::{Cell, Page, Part, Picture, Section, Sheet, Viewer};
+use crate::page::{Cell, Page, Part, Picture, Section, Sheet, Viewer, command_line};
 use crate::worlds::claims;
 use crate::worlds::run::{Ground, Stage};
 
@@ -87,6 +87,8 @@ pub(crate) fn page(
         ],
         configuration: serde_json::to_string_pretty(&record["configuration"]).map_err(Failure::internal)?,
         files: record["files"].as_array().into_iter().flatten().filter_map(Value::as_str).map(str::to_owned).collect(),
+        command: command_line(record),
+        ..Page::default()
     })
 }
 

@@ -28,12 +28,12 @@ impl RoomPlan {
         let assumed = Assumptions { max_range_m: options.cut.max_range_m, ..Assumptions::of(&options.prior) };
         let Site { ground, setup } = Site::of(scene, &AS_BELIEVED, &assumed)?;
         let ground = ground.with_drives(&options.drives, Driven::EveryStage);
-        Ok(Self { frames: page::moments(&ground, page::FRAMES), ground, mappers, setup })
+        Ok(Self { frames: page::every_moment(&ground, mappers.len()), ground, mappers, setup })
     }
 }
 
-/// Refuses more cells than memory holds with what is kept of every mapper: its maps of every stage (f64) and frame (f32), in each of
-/// the trials that run at once.
+/// Refuses more cells than memory holds with what is kept of every mapper: its maps of every stage (f64) and frame (a byte a
+/// cell), in each of the trials that run at once.
 pub(super) fn refuse_too_large(
     options: &RoomOptions,
     ground: &Ground,
@@ -42,7 +42,7 @@ pub(super) fn refuse_too_large(
     frames: usize,
 ) -> Result<(), Failure> {
     let grid = &ground.scene.grid;
-    let copies = ground.scene.stages.len() + 1 + frames.div_ceil(2);
+    let copies = ground.scene.stages.len() + 1 + frames.div_ceil(8);
     let at_once = rayon::current_num_threads().min(options.seeds as usize);
     let planned = if ground.planning.pairs > 0 { mappers.len().min(rayon::current_num_threads()) } else { 0 };
     let besides = memory::besides(grid) + planned as f64 * memory::of_drives(grid);

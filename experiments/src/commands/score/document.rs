@@ -8,9 +8,10 @@ use serde_json::Value;
 
 use super::driven;
 use super::figures::CAPTIONS;
+use super::outputs::VIEWER;
 use super::text::{COLUMNS, title};
 use crate::failure::Failure;
-use crate::page::{self, Cell, Folder, Page, Part, Picture, Section, Sheet};
+use crate::page::{self, Cell, Folder, Page, Part, Picture, Section, Sheet, command_line};
 
 /// Tables, as their files hold them.
 #[derive(Default)]
@@ -89,7 +90,9 @@ pub fn renewed_page(folder: &Folder, record: &Value) -> Result<String, Failure> 
         profiles: table("profiles.csv")?,
     };
     let made: Made = folder.understand(record)?;
-    laid(&made, record, &tables, folder.pictures(record, &CAPTIONS)?)
+    let viewed = table(VIEWER)?.map(String::from_utf8).transpose();
+    let viewed = viewed.map_err(|error| folder.refuse(VIEWER, &format!("is no text: {error}")))?;
+    laid(&made, record, &tables, folder.pictures(record, &CAPTIONS)?, viewed)
         .map_err(|error| folder.refuse("metrics.csv", &format!("is no table of 'score': {error}")))
         .and_then(|page| page::page(&page))
 }
@@ -98,26 +101,44 @@ pub fn renewed_page(folder: &Folder, record: &Value) -> Result<String, Failure> 
 ///
 /// # Errors
 /// A defect of ours.
-pub(super) fn page(record: &Value, tables: &Tables, pictures: Vec<Picture>) -> Result<String, Failure> {
+pub(super) fn page(
+    record: &Value,
+    tables: &Tables,
+    pictures: Vec<Picture>,
+    viewed: Option<String>,
+) -> Result<String, Failure> {
     let made = Made::deserialize(record).map_err(Failure::internal)?;
-    page::page(&laid(&made, record, tables, pictures).map_err(Failure::internal)?)
+    page::page(&laid(&made, record, tables, pictures, viewed).map_err(Failure::internal)?)
 }
 
-fn laid(made: &Made, record: &Value, tables: &Tables, pictures: Vec<Picture>) -> Result<Page, csv::Error> {
+/// What the page calls the truth.
+pub(super) fn name_of(truth: &Path) -> String {
+    truth.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+fn laid(
+    made: &Made,
+    record: &Value,
+    tables: &Tables,
+    pictures: Vec<Picture>,
+    viewed: Option<String>,
+) -> Result<Page, csv::Error> {
     let files = record["files"].as_array().into_iter().flatten().filter_map(Value::as_str);
-    let name = Path::new(&made.configuration.truth).file_name().unwrap_or_default().to_string_lossy();
+    let name = name_of(Path::new(&made.configuration.truth));
     Ok(Page {
         title: format!("Maps against {name}"),
         lead: LEAD.to_owned(),
         facts: facts(made),
         claims: Vec::new(),
-        viewer: None,
+        viewed,
         sections: vec![
             section("Scores", SCORES, sheets(made, tables)?),
             section("Pictures", "", pictures.into_iter().map(Part::Picture).collect()),
         ],
         configuration: format!("{:#}", record["configuration"]),
         files: files.map(str::to_owned).collect(),
+        command: command_line(record),
+        ..Page::default()
     })
 }
 

@@ -9,15 +9,19 @@ use serde_json::{Value, json};
 use super::document::Tables;
 use super::drives::Drives;
 use super::options::ScoreOptions;
+use super::regions::Regions;
 use super::scored::Scored;
 use super::truth::Truth;
-use super::{document, drives, figures, profiles, rows};
+use super::{document, drives, figures, profiles, rows, viewed};
 use crate::failure::Failure;
 use crate::output::folder::{Purpose, Staging};
 use crate::output::ledger::RECORD;
 use crate::output::record::Record;
 use crate::output::table::Table;
-use crate::page::Picture;
+use crate::page::{self, Picture, Viewer};
+
+/// What the page shows of the maps, so that it can be laid anew without them.
+pub(super) const VIEWER: &str = "viewer.json";
 
 /// What a run means to do with its folder.
 pub(super) fn purpose(sources: &[&PathBuf]) -> Purpose {
@@ -25,7 +29,7 @@ pub(super) fn purpose(sources: &[&PathBuf]) -> Purpose {
     Purpose::new(
         "score",
         sources,
-        ["metrics.csv", "differences.csv", "profiles.csv", "report.html"].into_iter().chain(pictures),
+        ["metrics.csv", "differences.csv", "profiles.csv", VIEWER, "report.html"].into_iter().chain(pictures),
     )
 }
 
@@ -34,7 +38,7 @@ pub(super) fn write(
     staging: &mut Staging,
     scored: &Scored,
     truth: &Truth,
-    first_region: &Raster<bool>,
+    regions: &Regions,
     options: &ScoreOptions,
 ) -> Result<(), Failure> {
     let mut csv = |name: &str, table: Table| -> Result<Vec<u8>, Failure> {
@@ -49,8 +53,15 @@ pub(super) fn write(
             .transpose()?,
         profiles: profiles().next().map(|_| csv("profiles.csv", profiles::table(profiles()))).transpose()?,
     };
-    let pictures = pictures(staging, scored, truth, first_region, options.prior)?;
+    let pictures = pictures(staging, scored, truth, regions.first(), options.prior)?;
     let [free, occupied, unknown] = truth.counts();
+    let viewed = page::viewed(&Viewer {
+        worlds: vec![viewed::world(&document::name_of(&options.truth), scored, truth, regions, options.prior)],
+        budget: page::WORLD_BYTES,
+    });
+    if let Some(viewed) = &viewed {
+        staging.write(VIEWER, |out| out.write_all(viewed.as_bytes()))?;
+    }
     let parts = json!({
         "configuration": configuration(scored, truth, options),
         "grid": truth.frame,
@@ -59,7 +70,7 @@ pub(super) fn write(
         "driven": scored.drives.as_ref().map(Drives::worded),
     });
     let record = Record::new("score", parts);
-    let html = document::page(&record.json(&staging.files_and(&["report.html", RECORD]))?, &tables, pictures)?;
+    let html = document::page(&record.json(&staging.files_and(&["report.html", RECORD]))?, &tables, pictures, viewed)?;
     staging.write("report.html", |out| out.write_all(html.as_bytes()))?;
     staging.record(&record)
 }

@@ -51,7 +51,7 @@ impl Regions {
         };
         let mut walls = match &truth.scene {
             Some(scene) => Walls::World(Box::new(World::new(scene))),
-            None => Walls::Cells(&truth.cells, DigitalLine::default()),
+            None => Walls::Cells(&truth.cells, Box::default()),
         };
         let (origin_m, cell_m) = (truth.frame.spec.origin_m, truth.frame.spec.cell_m);
         let (sin, cos) = libm::sincos(truth.frame.yaw_rad);
@@ -100,7 +100,7 @@ impl Regions {
 /// What ends a ray: the scene's obstacles, or the cells of a map that are not known to be free.
 enum Walls<'a> {
     World(Box<World>),
-    Cells(&'a Raster<Option<bool>>, DigitalLine),
+    Cells(&'a Raster<Option<bool>>, Box<DigitalLine>),
 }
 
 impl Walls<'_> {

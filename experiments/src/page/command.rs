@@ -1,0 +1,191 @@
+//! What to type to run something again, from its record.
+
+use std::path::Path;
+
+use mapper::Prior;
+use sensor::{Laser, Stereo};
+use serde_json::{Value, json};
+
+use crate::worlds::drives::DriveOptions;
+
+/// An option: where its value stands in a record, its name, and the value that need not be typed.
+type Typed = (&'static str, &'static str, Value);
+
+/// The command line of a record; empty where the command leaves no page.
+pub fn command_line(record: &Value) -> String {
+    let (arguments, options): (&[&str], Vec<Typed>) = match record["command"].as_str() {
+        Some("room") => (&[], [room(), assumed(), drives()].concat()),
+        Some("compare") => (&[], [compare(), assumed(), drives()].concat()),
+        Some("score") => (&["/configuration/maps"], [score(), drives()].concat()),
+        Some("replay") => (&["/configuration/log"], [replay(), assumed()].concat()),
+        _ => return String::new(),
+    };
+    let at = |place: &str| record.pointer(place).filter(|value| !value.is_null());
+    let mut words = vec!["sightgrid".to_owned(), record["command"].as_str().unwrap_or_default().to_owned()];
+    for value in arguments.iter().filter_map(|place| at(place)) {
+        match value.as_array() {
+            Some(all) => words.extend(all.iter().map(word)),
+            None => words.push(word(value)),
+        }
+    }
+    // A quick comparison repeats scans less often.
+    if record["configuration"]["repeats"] == json!([1, 10, 100]) {
+        words.push("--quick".to_owned());
+    }
+    let programs = || record["configuration"]["programs"].as_array().into_iter().flatten();
+    for (place, option, usual) in options {
+        let Some(value) = at(place).filter(|value| **value != usual) else { continue };
+        let own = |name: &&Value| programs().all(|program| program["name"] != **name);
+        let text = match value.as_array() {
+            Some(all) => all.iter().filter(own).map(word).collect::<Vec<_>>().join(","),
+            None => word(value),
+        };
+        if !text.is_empty() {
+            words.extend([option.to_owned(), text]);
+        }
+    }
+    for program in programs() {
+        let [name, command] = ["name", "command"].map(|key| program[key].as_str().unwrap_or_default());
+        words.extend(["--mapper".to_owned(), quoted(&format!("{name}={command}"))]);
+    }
+    words.join(" ")
+}
+
+fn room() -> Vec<Typed> {
+    vec![
+        ("/configuration/scene", "--scene", json!("scenes/room.toml")),
+        ("/configuration/layout", "--layout", Value::Null),
+        ("/seed", "--seed", json!(1)),
+        ("/configuration/seeds", "--seeds", json!(1)),
+        ("/grid/cell_m", "--grid", Value::Null),
+        ("/configuration/mappers", "--mappers", Value::Null),
+        ("/configuration/max_range_m", "--max-range", Value::Null),
+    ]
+}
+
+fn compare() -> Vec<Typed> {
+    vec![
+        ("/configuration/set", "--set", json!("test")),
+        ("/configuration/families", "--families", Value::Null),
+        ("/configuration/seeds", "--seeds", Value::Null),
+        ("/configuration/batch_seeds", "--batch-seeds", Value::Null),
+        ("/configuration/mappers", "--mappers", Value::Null),
+        ("/configuration/max_range_m", "--max-range", Value::Null),
+    ]
+}
+
+fn score() -> Vec<Typed> {
+    vec![
+        ("/configuration/truth", "--truth", Value::Null),
+        ("/configuration/layout", "--layout", Value::Null),
+        ("/configuration/cell_m", "--grid", Value::Null),
+        ("/configuration/scans", "--scans", Value::Null),
+        ("/configuration/unknown", "--unknown", json!("prior")),
+        ("/configuration/prior", "--prior", json!(Prior::default().occupancy)),
+        ("/configuration/finer", "--finer", json!("mean")),
+        ("/configuration/align", "--align", json!("none")),
+        ("/configuration/align_bound_m", "--align-bound", json!(0.5)),
+        ("/configuration/align_bound_deg", "--align-turn", json!(5.0)),
+        ("/configuration/place/cell_m", "--resolution", Value::Null),
+    ]
+}
+
+fn replay() -> Vec<Typed> {
+    vec![
+        ("/configuration/trajectory", "--trajectory", Value::Null),
+        ("/configuration/mappers", "--mappers", Value::Null),
+        ("/configuration/hold_out", "--hold-out", json!(10)),
+        ("/grid/cell_m", "--grid", json!(0.05)),
+        ("/configuration/footprint_m", "--footprint", Value::Null),
+        ("/configuration/min_range_m", "--min-range", Value::Null),
+        ("/configuration/max_gap_s", "--max-gap", json!(1.0)),
+        ("/configuration/every", "--every", json!(1)),
+        ("/configuration/window_s", "--window", Value::Null),
+        ("/configuration/least_move_m", "--least-move", Value::Null),
+        ("/configuration/least_turn_deg", "--least-turn", Value::Null),
+        ("/configuration/map_range_m", "--map-range", Value::Null),
+        ("/configuration/fan/fov_deg", "--fov", Value::Null),
+        ("/configuration/fan/first_bearing_deg", "--first-bearing", Value::Null),
+        ("/configuration/fan/increment_deg", "--increment", Value::Null),
+        ("/configuration/sensor/range_sigma_m", "--range-sigma", json!(Laser::default().range_sigma_m)),
+        ("/configuration/sensor/hit", "--hit", json!(Laser::default().hit)),
+        ("/configuration/sensor/no_echo", "--no-echo", json!(Laser::default().no_echo)),
+        ("/configuration/sensor/early_per_m", "--early", json!(Laser::default().early_per_m)),
+        ("/configuration/sensor/focal_baseline", "--focal-baseline", json!(Stereo::default().focal_baseline)),
+        ("/configuration/sensor/disparity_sigma", "--disparity-sigma", json!(Stereo::default().disparity_sigma)),
+        ("/configuration/sensor/correct_match", "--correct-match", json!(Stereo::default().correct_match)),
+        ("/configuration/sensor/max_disparity", "--max-disparity", json!(Stereo::default().max_disparity)),
+    ]
+}
+
+/// What mappers assume.
+fn assumed() -> Vec<Typed> {
+    let usual = json!(Prior::default());
+    vec![
+        ("/configuration/prior/occupancy", "--prior", usual["occupancy"].clone()),
+        ("/configuration/prior/correlation", "--correlation", usual["correlation"].clone()),
+        ("/configuration/prior/correlation_law", "--correlation-law", usual["correlation_law"].clone()),
+        ("/configuration/reconciliation", "--reconciliation", json!("all-edges")),
+    ]
+}
+
+fn drives() -> Vec<Typed> {
+    let usual = json!(DriveOptions::default());
+    vec![
+        ("/configuration/drives/pairs", "--plan-pairs", usual["pairs"].clone()),
+        ("/configuration/drives/robot_radius_m", "--robot-radius", Value::Null),
+        ("/configuration/drives/threshold", "--plan-threshold", usual["threshold"].clone()),
+        ("/configuration/drives/unknown", "--plan-unknown", usual["unknown"].clone()),
+    ]
+}
+
+/// A value as it is typed. Where a file lay on a machine is nobody's business: of an absolute path the name remains.
+fn word(value: &Value) -> String {
+    match value.as_str() {
+        Some(text) if Path::new(text).is_absolute() => {
+            quoted(&Path::new(text).file_name().unwrap_or_default().to_string_lossy())
+        }
+        Some(text) => quoted(text),
+        None => value.to_string(),
+    }
+}
+
+/// A word for a shell.
+fn quoted(text: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_./,=:+@%".contains(c);
+    if !text.is_empty() && text.chars().all(plain) {
+        text.to_owned()
+    } else {
+        format!("'{}'", text.replace('\'', r"'\''"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_usual_need_not_be_typed_and_no_place_of_a_machine_is_told() {
+        let record = json!({
+            "command": "room", "seed": 1, "grid": {"cell_m": 0.1},
+            "configuration": {
+                "scene": "/home/somebody/my room.toml", "seeds": 3, "mappers": ["visibility", "own"],
+                "programs": [{"name": "own", "command": "python3 'a b.py'"}],
+                "prior": Prior::default(), "reconciliation": "touched", "drives": DriveOptions::default(),
+            },
+        });
+        let typed = "sightgrid room --scene 'my room.toml' --seeds 3 --grid 0.1 --mappers visibility --reconciliation touched \
+            --mapper 'own=python3 '\\''a b.py'\\'''";
+        assert_eq!(command_line(&record), typed);
+        assert_eq!(command_line(&json!({"command": "sensor"})), "");
+    }
+
+    #[test]
+    fn maps_and_logs_stand_before_the_options() {
+        let of = |record: Value| command_line(&record);
+        let score = json!({"command": "score", "configuration": {"maps": ["a.npy", "b.yaml"], "truth": "t.yaml", "unknown": "skip"}});
+        assert_eq!(of(score), "sightgrid score a.npy b.yaml --truth t.yaml --unknown skip");
+        let replay = json!({"command": "replay", "grid": {"cell_m": 0.05}, "configuration": {"log": "fr.log", "window_s": [0.0, 9.5]}});
+        assert_eq!(of(replay), "sightgrid replay fr.log --window 0.0,9.5");
+    }
+}
