@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use crate::figures::Paper;
 use crate::output::args::{FormatOption, positive};
 
 /// Options of `sensor`.
@@ -18,6 +19,9 @@ pub struct SensorOptions {
     /// Folder for tables, pictures and record, written whole or not at all [default: results/sensor]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// How pictures are made
+    #[command(flatten)]
+    pub paper: Paper,
     /// How the table is printed
     #[command(flatten)]
     pub print: FormatOption,
