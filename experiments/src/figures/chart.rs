@@ -197,7 +197,7 @@ impl Chart {
         for (x, name) in &self.ends {
             let x = frame.left + self.x.share(*x) * frame.width;
             drawing.line([(x, frame.top), (x, frame.top + frame.height)], FAINT.dashed(1.5));
-            drawing.text(name, (x - 5.0, frame.top + 12.0), SMALL, FAINT, Anchor::End);
+            drawing.text(name, (x, frame.top - 9.0), SMALL, FAINT, Anchor::Middle);
         }
         for (number, series) in self.series.iter().enumerate() {
             self.line(drawing, &frame, series, number);
@@ -326,10 +326,9 @@ mod tests {
         Chart::new("title", x, y, vec![series("one"), series("two")])
     }
 
-    fn texts(drawing: &Drawing) -> Vec<&str> {
-        let written = |item: &'_ Item| matches!(item, Item::Letters { .. });
-        let text = |item| if let Item::Letters { text, .. } = item { text.as_str() } else { "" };
-        drawing.items.iter().filter(|item| written(item)).map(text).collect()
+    fn texts(drawing: &Drawing) -> Vec<String> {
+        let text = |item: &'_ Item| if let Item::Letters { text, .. } = item { Some(text.clone()) } else { None };
+        drawing.items.iter().filter_map(text).collect()
     }
 
     #[test]

@@ -7,7 +7,7 @@ use super::letters;
 use super::panel::Panel;
 
 /// How high a key is: the scale of shades, and signs below it.
-pub const HEIGHT: f64 = 196.0;
+pub const HEIGHT: f64 = 200.0;
 
 /// A sign that a picture has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,7 +53,7 @@ impl Sign {
 /// Draws the key of maps in a rectangle `width` wide: the scale of shades, a scale bar of the panel, and the signs.
 pub fn draw(drawing: &mut Drawing, (x, y): Point, width: f64, panel: &Panel, prior: f64, signs: &[Sign]) {
     shades(drawing, (x, y), width.min(420.0), prior);
-    let below = y + 104.0;
+    let below = y + 116.0;
     let long = scale_bar(drawing, (x, below), panel, width);
     let mut at = (x + long + 30.0, below - 2.0);
     for sign in signs {
@@ -82,8 +82,7 @@ fn shades(drawing: &mut Drawing, (x, y): Point, width: f64, prior: f64) {
     drawing.frame((x, top), (x + width, top + HIGH), FAINT.stroke(1.0));
     let odds = |p: f64| libm::log(p / (1.0 - p));
     let place = |p: f64| x + width * (0.5 + 0.5 * (odds(p) / ENDS).clamp(-1.0, 1.0));
-    let round = [0.01, 0.5, 0.99].into_iter().filter(|p| (place(*p) - place(prior)).abs() > 34.0);
-    for p in round.chain([0.1, 0.9]).filter(|p| (*p - prior).abs() < 1e-9 || (place(*p) - place(prior)).abs() > 34.0) {
+    for p in [0.01, 0.1, 0.5, 0.9, 0.99].into_iter().filter(|p| (place(*p) - place(prior)).abs() > 34.0) {
         tick(drawing, place(p), top + HIGH, &axis::short(p), (x, x + width));
     }
     let at = place(prior);

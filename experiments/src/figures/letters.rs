@@ -96,7 +96,7 @@ mod tests {
 
     #[test]
     fn every_letter_that_pictures_use_is_in_the_font() {
-        for letter in "abcXYZ019.,:;-+()[]/%²µ·–…−×≥σ°⁻¹".chars() {
+        for letter in "abcXYZ019.,:;-+()[]/%²µ·–…−×≥σ°".chars() {
             assert!(font().expect("readable").glyph_id(letter).0 != 0, "{letter}");
         }
     }

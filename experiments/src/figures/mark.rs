@@ -15,7 +15,7 @@ pub enum Shape {
     Plus,
     Cross,
     Star,
-    Pentagon,
+    Hourglass,
     /// A triangle that lies to the right.
     Flag,
 }
@@ -32,7 +32,7 @@ impl Shape {
         Self::Plus,
         Self::Star,
         Self::Flag,
-        Self::Pentagon,
+        Self::Hourglass,
     ];
 
     /// Draws the sign, in a rim of white that parts it from what is below.
@@ -56,7 +56,7 @@ impl Shape {
         };
         let up = -0.25 * std::f64::consts::TAU;
         let bars = |turned: bool| -> Vec<Point> {
-            const ARM: f64 = 0.34;
+            const ARM: f64 = 0.42;
             let quarter = [(ARM, -ARM), (ARM, -1.1), (-ARM, -1.1)];
             let turn = |(x, y): Point, times: usize| (0..times).fold((x, y), |(x, y), _| (y, -x));
             let corners = (0..4).flat_map(|times| quarter.map(|corner| turn(corner, times)));
@@ -70,7 +70,7 @@ impl Shape {
             Self::Triangle => wheel(&[1.25; 3], up),
             Self::Wedge => wheel(&[1.25; 3], -up),
             Self::Flag => wheel(&[1.25; 3], 0.0),
-            Self::Pentagon => wheel(&[1.08; 5], up),
+            Self::Hourglass => vec![(-0.95, -1.0), (0.95, -1.0), (0.2, 0.0), (0.95, 1.0), (-0.95, 1.0), (-0.2, 0.0)],
             Self::Star => wheel(&[1.35, 0.55, 1.35, 0.55, 1.35, 0.55, 1.35, 0.55, 1.35, 0.55], up),
             Self::Plus => bars(false),
             Self::Cross => bars(true),

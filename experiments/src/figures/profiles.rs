@@ -27,7 +27,7 @@ pub struct Line {
 const SIZE: (f64, f64) = (700.0, 600.0);
 
 /// Losses below this are as good as none: an axis goes no further down.
-const LEAST: f64 = 1e-4;
+const LEAST: f64 = 1e-3;
 
 /// A chart for either covariate, with ranges up to `range_m`.
 pub fn draw(lines: &[Line], range_m: f64, paper: &Paper) -> Drawing {
@@ -36,7 +36,7 @@ pub fn draw(lines: &[Line], range_m: f64, paper: &Paper) -> Drawing {
         (
             "Error against range",
             &RANGE_EDGES_M,
-            Axis::linear("range from which a cell was seen best, m", 0.0..nearest.min(RANGE_EDGES_M[9])),
+            Axis::logarithmic("range from which a cell was seen best, m", 0.1..nearest.min(RANGE_EDGES_M[9])),
         ),
         ("Error against looks", &LOOK_EDGES, Axis::logarithmic("rays that looked at a cell", looks..LOOK_EDGES[10])),
     ];
@@ -53,7 +53,7 @@ pub fn draw(lines: &[Line], range_m: f64, paper: &Paper) -> Drawing {
             let bins = edges.windows(2).zip(&line.losses[covariate]);
             let at = |(edge, loss): (&[f64], &Option<Estimate>)| {
                 let loss = (*loss)?;
-                Some(At { x: middle(edge, &x), y: loss.value, interval: loss.interval })
+                Some(At { x: middle(edge), y: loss.value, interval: loss.on_logarithm().interval })
             };
             Series { name: line.name.clone(), points: bins.filter_map(at).collect(), style: line.style }
         };
@@ -63,11 +63,7 @@ pub fn draw(lines: &[Line], range_m: f64, paper: &Paper) -> Drawing {
     sheet(&charts.collect::<Vec<_>>(), 2, SIZE, paper)
 }
 
-/// Where the point of a bin is drawn; an open bin is where it begins.
-fn middle(edge: &[f64], axis: &Axis) -> f64 {
-    match edge[1].is_finite() {
-        false => edge[0],
-        true if axis.logarithmic => libm::sqrt(edge[0].max(0.5) * edge[1]),
-        true => 0.5 * (edge[0] + edge[1]),
-    }
+/// Where the point of a bin is drawn: in its middle; an open bin is where it begins.
+fn middle(edge: &[f64]) -> f64 {
+    if edge[1].is_finite() { 0.5 * (edge[0] + edge[1]) } else { edge[0] }
 }

@@ -14,7 +14,7 @@ pub const CAPTION: &str = "The scene as the truth has it (compare Figure 11): ob
     stops, regions orange. Space that nobody knows the truth about is tinted and never scored.";
 
 const MARGIN: f64 = 24.0;
-const FOOT: f64 = 44.0;
+const FOOT: f64 = 74.0;
 const WIDTH: f64 = 1000.0;
 
 /// Size of the names of waypoints.
@@ -46,8 +46,10 @@ pub fn draw(ground: &Ground, paper: &Paper) -> Drawing {
     let route: Vec<&str> = stops.map(|stop| scene.waypoint_of(stop).name.as_str()).collect();
     let x = MARGIN + bar + 28.0;
     let room = width + 2.0 * MARGIN - x - 8.0;
-    let text = caption(&scene.description, &route, |text| letters::width(text, LABEL) <= room);
-    d.text(&letters::cut(&text, LABEL, room), (x, foot), LABEL, INK, Anchor::Start);
+    let description = letters::cut(&scene.description, LABEL, room);
+    d.text(&description, (x, foot), LABEL, INK, Anchor::Start);
+    let way = way_in_words(&route, |text| letters::width(text, LABEL) <= room);
+    d.text(&way, (x, foot + 28.0), LABEL, INK, Anchor::Start);
     drawing
 }
 
@@ -75,14 +77,14 @@ fn waypoints(drawing: &mut Drawing, panel: &Panel, scene: &Scene, width: f64) {
     }
 }
 
-/// The description and as much of the route as fits.
-fn caption(description: &str, route: &[&str], fits: impl Fn(&str) -> bool) -> String {
-    let whole = format!("{description}. Route: {}", route.join(", "));
+/// As much of the route as fits.
+fn way_in_words(route: &[&str], fits: impl Fn(&str) -> bool) -> String {
+    let whole = format!("Route: {}", route.join(", "));
     if fits(&whole) {
         return whole;
     }
-    let shortened = (1..route.len()).rev().map(|k| format!("{description}. Route: {}, ...", route[..k].join(", ")));
-    shortened.into_iter().find(|text| fits(text)).unwrap_or_else(|| format!("{description}."))
+    let shortened = (1..route.len()).rev().map(|k| format!("Route: {}, ...", route[..k].join(", ")));
+    shortened.into_iter().find(|text| fits(text)).unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -90,11 +92,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_caption_ends_where_the_picture_does() {
+    fn a_route_ends_where_the_picture_does() {
         let route = ["A", "B", "C", "D"];
-        let within = |most: usize| caption("A room", &route, |text| text.len() <= most);
-        assert_eq!(within(100), "A room. Route: A, B, C, D");
-        assert_eq!(within(24), "A room. Route: A, B, ...");
-        assert_eq!(within(10), "A room.");
+        let within = |most: usize| way_in_words(&route, |text| text.len() <= most);
+        assert_eq!(within(100), "Route: A, B, C, D");
+        assert_eq!(within(16), "Route: A, B, ...");
+        assert_eq!(within(10), "");
     }
 }

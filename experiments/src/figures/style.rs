@@ -53,7 +53,8 @@ const AMBER: Colour = Colour(225, 150, 0);
 const GREEN: Colour = Colour(0, 150, 110);
 const WINE: Colour = Colour(120, 30, 75);
 const OLIVE: Colour = Colour(140, 140, 40);
-const INDIGO: Colour = Colour(51, 34, 136);
+const VIOLET: Colour = Colour(105, 55, 165);
+const NAVY: Colour = Colour(0, 45, 95);
 const GREY: Colour = Colour(130, 130, 130);
 
 /// Those that stand for others first: where there are more than colours, the last ones are grey. Of a family all have
@@ -66,19 +67,19 @@ const MAPPERS: [(&str, Colour, Shape, Dashes); 29] = [
     ("independent", GREEN, Shape::Cross, Dashes::Solid),
     ("visibility-lateral", SKY, Shape::Star, Dashes::Solid),
     ("no-occlusion", WINE, Shape::Wedge, Dashes::Solid),
-    ("mrf", INDIGO, Shape::Pentagon, Dashes::Solid),
+    ("mrf", VIOLET, Shape::Hourglass, Dashes::Solid),
     ("forward-em", OLIVE, Shape::Plus, Dashes::Solid),
     ("conventional-tuned", RED, Shape::Flag, Dashes::Dashed),
-    ("visibility-printed", SKY, Shape::Triangle, Dashes::Dashed),
+    ("visibility-printed", NAVY, Shape::Triangle, Dashes::Dashed),
     ("wavemap-tuned", GREEN, Shape::Diamond, Dashes::Dashed),
     ("tsdf-tuned", GREEN, Shape::Square, Dashes::Dashed),
     ("mrpt-widening-tuned", GREEN, Shape::Triangle, Dashes::Dashed),
     ("hit-count-tuned", AMBER, Shape::Square, Dashes::Dashed),
     ("conventional-cut", RED, Shape::Wedge, Dashes::Dotted),
     ("octomap-cut", PURPLE, Shape::Wedge, Dashes::Dotted),
-    ("wavemap", GREEN, Shape::Diamond, Dashes::Dotted),
-    ("tsdf", GREEN, Shape::Square, Dashes::Dotted),
-    ("mrpt-widening", GREEN, Shape::Triangle, Dashes::Dotted),
+    ("wavemap", GREEN, Shape::Star, Dashes::Dotted),
+    ("tsdf", GREEN, Shape::Flag, Dashes::Dotted),
+    ("mrpt-widening", GREEN, Shape::Plus, Dashes::Dotted),
     ("hit-count-gmapping", AMBER, Shape::Diamond, Dashes::Dotted),
     ("hit-count-karto", AMBER, Shape::Plus, Dashes::Dotted),
     ("visibility-touched", BLUE, Shape::Square, Dashes::Dashed),

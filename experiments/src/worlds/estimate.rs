@@ -24,6 +24,18 @@ impl Estimate {
     }
 }
 
+impl Estimate {
+    /// The same with an interval that is even on a logarithmic axis and stays above 0: that of the mean's logarithm, by the
+    /// delta method. None of a mean of 0.
+    pub fn on_logarithm(self) -> Self {
+        let Self { value, interval } = self;
+        let ends = |(low, high): (f64, f64)| {
+            (value * libm::exp((low - value) / value), value * libm::exp((high - value) / value))
+        };
+        Self { value, interval: interval.filter(|_| value > 0.0).map(ends) }
+    }
+}
+
 /// Sums over worlds of a total and of the number of things that it is a total of.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Moments {
@@ -118,6 +130,14 @@ mod tests {
     fn quantiles_fall_to_that_of_the_normal() {
         let all: Vec<f64> = (1..200).map(quantile).collect();
         assert!(all.is_sorted_by(|a, b| a > b) && (all[198] - 1.972).abs() < 1e-3 && (all[59] - 2.000).abs() < 1e-3);
+    }
+
+    #[test]
+    fn on_a_logarithm_an_interval_is_even_and_above_zero() {
+        let estimate = Estimate { value: 0.1, interval: Some((-0.1, 0.3)) }.on_logarithm();
+        let (low, high) = estimate.interval.expect("an interval");
+        assert!((0.1 / low - high / 0.1).abs() < 1e-9 && low > 0.0);
+        assert_eq!(Estimate { value: 0.0, interval: Some((0.0, 0.0)) }.on_logarithm().interval, None);
     }
 
     proptest! {

@@ -116,9 +116,11 @@ pub fn repeats(rows: &Rows, mappers: &[&str], paper: &Paper) -> Drawing {
     let drawn: Vec<_> =
         lines(mappers).into_iter().filter(|(mapper, _)| rows.repeats.iter().any(|r| r.mapper == *mapper)).collect();
     let panel = |title: &str, y: Axis, of: fn(&Repeat) -> Option<f64>| {
+        let logarithmic = y.logarithmic;
         let series = drawn.iter().map(|&(mapper, style)| {
             let at = |&n: &usize| {
-                let Estimate { value, interval } = repeated(rows, mapper, n, of)?;
+                let estimate = repeated(rows, mapper, n, of)?;
+                let Estimate { value, interval } = if logarithmic { estimate.on_logarithm() } else { estimate };
                 Some(At { x: n as f64, y: value, interval })
             };
             Series { name: mapper.to_owned(), points: counts.iter().filter_map(at).collect(), style }

@@ -99,7 +99,7 @@ fn panel(
         let [from, to] = [-margin, margin].map(|v| at(v).clamp(left, left + scale));
         drawing.block((from, HEAD), (to, bottom), Colour(226, 230, 236));
     }
-    for tick in axis.ticks((scale / 84.0) as usize) {
+    for tick in axis.ticks((scale / 62.0) as usize) {
         let x = left + tick.at * scale;
         drawing.line([(x, HEAD), (x, bottom)], GRID.stroke(1.0));
         drawing.line([(x, bottom), (x, bottom + 7.0)], FAINT.stroke(1.5));

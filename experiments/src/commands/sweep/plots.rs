@@ -333,7 +333,7 @@ mod tests {
                     2,a,1,0.2,visibility,,,,,lost\n";
         let (names, pictures) = drawn(rows).expect("drawn");
         assert_eq!(names, ["prior.png"]);
-        assert!(pictures[0].items.len() > 100);
+        assert!(pictures[0].items.len() > 40);
     }
 
     #[test]
