@@ -77,7 +77,7 @@ impl Axis {
             let (first, last) = ends(*step);
             last - first < 2
         };
-        let finer = [1.0, 0.5, 0.2].map(|share| step(0.99 * share * widest));
+        let finer = [1.0, 0.4, 0.16].map(|share| step(share * widest));
         let step = finer.into_iter().find(|step| !few(step)).unwrap_or(widest);
         let (first, last) = ends(step);
         (first..=last).map(|k| (k as f64 * step, true)).collect()
