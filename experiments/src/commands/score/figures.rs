@@ -43,14 +43,16 @@ const MISSED: Colour = Colour(0, 80, 190);
 /// The truth with the key, then a map and its error for each; two maps to a row where there is room.
 pub(super) fn errors(scored: &Scored, truth: &Truth, prior: f64, paper: &Paper) -> Drawing {
     let whole = paper.width(WIDTH);
-    let pairs = if scored.maps.len() > 1 && whole >= 1000.0 { 2 } else { 1 };
-    let columns = if pairs == 2 { 4.0 } else { 2.0f64 };
-    let room = ((whole - GAP) / columns - GAP).min(440.0);
-    let panel = Panel::whole(truth.frame.spec, room, paper);
+    let room = |columns: f64| ((whole - GAP) / columns - GAP).min(440.0);
+    let panel = |columns: f64| Panel::whole(truth.frame.spec, room(columns), paper);
+    // Two to a row unless cells would be much smaller for it.
+    let beside_each_other = scored.maps.len() > 1 && whole >= 1000.0 && panel(4.0).size().0 > 0.75 * room(4.0);
+    let (pairs, columns) = if beside_each_other { (2, 4.0) } else { (1, 2.0) };
+    let panel = panel(columns);
     let (width, height) = panel.size();
     let rows = scored.maps.len().div_ceil(pairs) as f64;
     let beside = (columns - 1.0) * (width + GAP) - 3.0 * GAP;
-    let fits = beside >= 420.0 && height >= key::HEIGHT + 30.0;
+    let fits = beside >= 320.0 && height >= key::HEIGHT + 30.0;
     let first = GAP + HEAD + height + if fits { GAP } else { 2.0 * GAP + key::HEIGHT + 34.0 };
     let mut drawing = Drawing::new(GAP + columns * (width + GAP), first + rows * (height + HEAD + GAP));
     let d = &mut drawing;
@@ -119,11 +121,18 @@ pub(super) fn reliabilities(
 
 /// Styles of maps by name: that of a mapper of ours where it bears its name.
 fn numbered(names: &[&str]) -> Vec<Style> {
-    let known = |name: &&&str| mapper::catalogue::find(name).is_some();
-    if names.iter().filter(known).count() + 1 >= names.len() {
-        return style::of_mappers(names);
+    // A map of `room` is called MAPPER-STAGE.
+    let mapper = |name: &&'_ str| {
+        let known = |name: &str| mapper::catalogue::find(name).map(|entry| entry.name);
+        known(name).or_else(|| known(name.rsplit_once('-')?.0))
+    };
+    let mappers: Vec<&str> = names.iter().map(|name| mapper(name).unwrap_or(name)).collect();
+    let ours = names.iter().filter(|name| mapper(name).is_some()).count();
+    let distinct = mappers.iter().collect::<std::collections::BTreeSet<_>>().len();
+    match ours + 1 >= names.len() && distinct == names.len() {
+        true => style::of_mappers(&mappers),
+        false => (0..names.len()).map(Style::numbered).collect(),
     }
-    (0..names.len()).map(Style::numbered).collect()
 }
 
 fn diagram(name: &str, bins: &[Bin], style: Style) -> Chart {
