@@ -59,7 +59,8 @@ pub fn run(options: &RoomOptions) -> Result<(), Failure> {
     let claims: Vec<Claim> = claimed.flat_map(|region| claims::judge(&trials, &region.name)).collect();
     let record = Record::new("room", Parts::of(options, &ground, &mappers, &stages, &claims));
     let metrics = outputs::metrics(&ground, &trials, &stages);
-    outputs::write(&mut staging, &ground, &trials, &stages, &frames, &metrics, &record, &options.paper)?;
+    let outcome = outputs::Outcome { ground: &ground, trials: &trials, stages: &stages, frames: &frames };
+    outputs::write(&mut staging, outcome, &metrics, &record, &options.paper)?;
     staging.publish()?;
 
     metrics.print(options.format, || summary::text(&ground, &trials, &stages, &claims))?;

@@ -99,7 +99,8 @@ mod tests {
     #[test]
     fn a_width_on_paper_is_one_of_units() {
         let paper = Paper { width_mm: Some(127.0), ..Paper::default() };
-        assert_eq!([paper.width(5.0), Paper::default().width(5.0)].map(f64::round), [1000.0, 5.0]);
+        let widths = [paper.width(5.0), Paper::default().width(5.0)].map(|width| width.round() as i64);
+        assert_eq!(widths, [1000, 5]);
         assert!(["59", "1001", "wide", "nan"].map(width).iter().all(Result::is_err));
     }
 

@@ -73,13 +73,20 @@ pub(super) fn names(ground: &Ground, mappers: &[&Entry], paper: &Paper) -> Vec<S
     tables.into_iter().map(str::to_owned).chain(paper.files(&pictures)).chain(maps).chain(of_programs).collect()
 }
 
+/// What came of a run.
+#[derive(Clone, Copy)]
+pub(super) struct Outcome<'a> {
+    pub(super) ground: &'a Ground,
+    pub(super) trials: &'a [Trial],
+    pub(super) stages: &'a [Stage],
+    /// Scans after which the page shows maps.
+    pub(super) frames: &'a [usize],
+}
+
 /// Writes everything; readings, maps and pictures are those of the first seed.
 pub(super) fn write(
     staging: &mut Staging,
-    ground: &Ground,
-    trials: &[Trial],
-    stages: &[Stage],
-    frames: &[usize],
+    Outcome { ground, trials, stages, frames }: Outcome,
     metrics: &Table,
     record: &Record<Parts>,
     paper: &Paper,
