@@ -4,9 +4,11 @@
 //! a bundled font and no mathematics of the system's a picture is the same on every machine.
 
 pub mod axis;
+mod backend;
 pub mod calibration;
 pub mod chart;
 pub mod drawing;
+mod elements;
 mod encode;
 pub mod ink;
 pub mod key;
@@ -22,6 +24,7 @@ pub mod scene;
 pub mod style;
 mod svg;
 pub mod timeline;
+mod window;
 
 pub use drawing::Drawing;
 pub use paper::Paper;

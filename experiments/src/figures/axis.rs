@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
+
 /// An axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
@@ -56,15 +58,20 @@ impl Axis {
 
     /// The ticks of an axis on which there is room for so many labels.
     pub fn ticks(&self, room: usize) -> Vec<Tick> {
+        let tick = |(value, labelled): (f64, bool)| Tick {
+            at: self.share(value),
+            label: if labelled { self.format_ext(&value) } else { String::new() },
+        };
+        self.values(room).into_iter().map(tick).collect()
+    }
+
+    /// Where ticks stand, and whether they have labels.
+    fn values(&self, room: usize) -> Vec<(f64, bool)> {
         let room = room.max(3);
         let mut values = if self.logarithmic { self.by_ratio(room) } else { self.by_difference(room) };
         values.retain(|(value, _)| self.apart.as_ref().is_none_or(|(apart, _)| value < apart));
-        let tick = |(value, labelled): (f64, bool)| Tick {
-            at: self.share(value),
-            label: if labelled { short(value) } else { String::new() },
-        };
-        let apart = self.apart.iter().map(|(_, name)| Tick { at: APART, label: name.clone() });
-        values.into_iter().map(tick).chain(apart).collect()
+        values.extend(self.apart.iter().map(|(apart, _)| (*apart, true)));
+        values
     }
 
     fn by_difference(&self, room: usize) -> Vec<(f64, bool)> {
@@ -103,6 +110,34 @@ impl Axis {
         }
         let labelled = |power: i32, digit: i32| digits.contains(&digit) && power.rem_euclid(every) == 0;
         shown.into_iter().map(|(value, power, digit)| (value, labelled(power, digit))).collect()
+    }
+}
+
+/// As an axis of plotters: ticks with labels are its bold points, the others its light ones.
+impl Ranged for Axis {
+    type FormatOption = NoDefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, (from, to): (i32, i32)) -> i32 {
+        // What is far outside comes to lie at the end of the whole numbers.
+        (f64::from(from) + self.share(*value) * (f64::from(to) - f64::from(from))).round() as i32
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
+        let light = hint.weight().allow_light_points();
+        let values = self.values(hint.bold_points()).into_iter();
+        values.filter(|(_, labelled)| *labelled != light).map(|(value, _)| value).collect()
+    }
+
+    fn range(&self) -> Range<f64> {
+        self.range.clone()
+    }
+}
+
+impl ValueFormatter<f64> for Axis {
+    fn format_ext(&self, value: &f64) -> String {
+        let apart = self.apart.as_ref().filter(|(apart, _)| value >= apart);
+        apart.map_or_else(|| short(*value), |(_, name)| name.clone())
     }
 }
 
@@ -154,6 +189,18 @@ mod tests {
         let axis = Axis { apart: Some((1000.0, "all".to_owned())), ..Axis::logarithmic("m", 1.0..10.0) };
         assert_eq!(axis.ticks(8).last().expect("a tick").label, "all");
         assert!(axis.share(10.0) < axis.share(1000.0) && (axis.share(1000.0) - axis.share(9e9)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn plotters_sees_the_same_ticks() {
+        use plotters::coord::ranged1d::{BoldPoints, LightPoints};
+        let axis = Axis { apart: Some((1000.0, "all".to_owned())), ..Axis::logarithmic("m", 1.0..40.0) };
+        let bold = axis.key_points(BoldPoints(5));
+        assert_eq!(bold.iter().map(|value| axis.format_ext(value)).collect::<Vec<_>>(), labels(&axis, 5));
+        let light = axis.key_points(LightPoints::new(5, 50));
+        assert_eq!(bold.len() + light.len(), axis.ticks(5).len());
+        assert_eq!([1.0, 40.0, 1e4].map(|value| axis.map(&value, (1000, 0))), [1000, 160, 60]);
+        assert_eq!(Axis::linear("", 0.0..1e-9).map(&1.0, (0, 1000)), i32::MAX);
     }
 
     proptest! {

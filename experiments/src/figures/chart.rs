@@ -1,13 +1,27 @@
 //! Charts: lines, signs and intervals over a pair of axes, and sheets of them with one legend.
 
+use std::cell::RefCell;
 use std::ops::Range;
+use std::rc::Rc;
+
+use plotters::chart::{ChartBuilder, ChartContext};
+use plotters::coord::Shift;
+use plotters::coord::cartesian::Cartesian2d;
+use plotters::coord::ranged1d::{LightPoints, Ranged};
+use plotters::drawing::{DrawingArea, DrawingAreaErrorKind};
+use plotters::element::{EmptyElement, PathElement, Rectangle, Text};
+use plotters::series::LineSeries;
+use plotters::style::{Color, RGBColor, TRANSPARENT, WHITE};
 
 pub use super::axis::Axis;
-use super::drawing::{Anchor, Drawing, Point};
+use super::backend::{Canvas, FINE, Missing, fine, lettering, place, shape};
+use super::drawing::{Anchor, Dashes, Drawing};
+use super::elements::{Interval, Line, Sign};
 use super::ink::{Colour, FAINT, GRID, INK, LABEL, SMALL};
 use super::letters;
 use super::paper::Paper;
 use super::style::Style;
+use super::window::Window;
 
 /// A point of a series.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,16 +69,23 @@ pub struct Chart {
 /// More marks of a series than this would run together.
 const MOST_MARKS: usize = 24;
 
-/// Half the size of a sign, and of the ends of an interval.
-const SIGN: f64 = 6.5;
-const CAP: f64 = 4.0;
-
 const BAND: Colour = Colour(236, 240, 245);
 
 /// Room about a chart: above it for the title, below it for its axis, and to its right.
 const HEAD: f64 = 40.0;
 const FOOT: f64 = 66.0;
 const RIGHT: f64 = 20.0;
+
+/// What of the room to the left and below is a margin.
+const BESIDE: f64 = 12.8;
+const BELOW: f64 = 10.8;
+
+/// Ticks with and without a label. Labels are two ticks from their axis.
+const TICK: f64 = 6.0;
+const SHORT: f64 = 4.0;
+
+/// Width of the gap in an axis with a value apart.
+const GAP: f64 = 8.0;
 
 /// Length of a legend's line, and height of its rows.
 const SAMPLE: f64 = 44.0;
@@ -73,29 +94,28 @@ const ROW: f64 = 30.0;
 /// The narrowest that a chart may become, as a share of the width that it was made for.
 const NARROWEST: f64 = 0.62;
 
+/// A part of a sheet, and one with axes.
+type Area = DrawingArea<Canvas, Shift>;
+type Plot<'a> = ChartContext<'a, Canvas, Cartesian2d<Axis, Axis>>;
+
+type Outcome = Result<(), DrawingAreaErrorKind<Missing>>;
+
 /// Draws charts row by row, at most so many to a row, each about so large, with the legend of all below them.
 pub fn sheet(charts: &[Chart], columns: usize, (width, height): (f64, f64), paper: &Paper) -> Drawing {
     let natural = columns.clamp(1, charts.len().max(1));
     let whole = paper.width(width * natural as f64);
     let columns = (1..=natural).rev().find(|k| whole / *k as f64 >= NARROWEST * width).unwrap_or(1);
     let rows = charts.len().div_ceil(columns).max(1);
-    let each = whole / columns as f64;
     let legend = legend(charts, whole);
     let top = height * rows as f64;
     let below = if legend.is_empty() { 0.0 } else { ROW * legend.len() as f64 + 12.0 };
-    let mut drawing = Drawing::new(whole, top + below);
-    for (k, chart) in charts.iter().enumerate() {
-        let corner = ((k % columns) as f64 * each, (k / columns) as f64 * height);
-        chart.draw(&mut drawing, corner, (each, height));
-    }
-    for (row, entries) in legend.iter().enumerate() {
-        let y = top + ROW * (row as f64 + 0.5);
-        for (x, name, style) in entries {
-            sample(&mut drawing, (*x, y), *style);
-            drawing.text(name, (x + SAMPLE + 8.0, y), SMALL, INK, Anchor::Start);
-        }
-    }
-    drawing
+    let canvas = Rc::new(RefCell::new(Canvas::new(whole, top + below)));
+    let (upper, lower) = DrawingArea::from(&canvas).split_vertically(fine(top));
+    let drawn =
+        charts.iter().zip(upper.split_evenly((rows, columns))).try_for_each(|(chart, area)| chart.draw(&canvas, &area));
+    let drawn = drawn.and_then(|()| explain(&lower, &legend));
+    drawn.expect("a canvas has an item for all that charts consist of");
+    canvas.replace(Canvas::new(0.0, 0.0)).drawing
 }
 
 /// Rows of the legend: where an entry begins, its name and style. None where there is nothing to tell apart.
@@ -124,52 +144,19 @@ fn legend(charts: &[Chart], width: f64) -> Vec<Vec<(f64, String, Style)>> {
     rows
 }
 
-/// A piece of a line with its sign.
-fn sample(drawing: &mut Drawing, (x, y): Point, style: Style) {
-    drawing.line([(x, y), (x + SAMPLE, y)], style.stroke);
-    if let Some(shape) = style.shape {
-        shape.draw(drawing, (x + 0.5 * SAMPLE, y), SIGN, style.stroke.colour);
-    }
-}
-
-/// Where a chart's lines are.
-struct Frame {
-    left: f64,
-    top: f64,
-    width: f64,
-    height: f64,
-}
-
-impl Frame {
-    fn at(&self, chart: &Chart, x: f64, y: f64) -> Point {
-        (self.left + chart.x.share(x) * self.width, self.top + (1.0 - chart.y.share(y)) * self.height)
-    }
-
-    fn holds(&self, (x, y): Point) -> bool {
-        let inside = |v: f64, from: f64, length: f64| (from - 0.5..=from + length + 0.5).contains(&v);
-        inside(x, self.left, self.width) && inside(y, self.top, self.height)
-    }
-
-    /// The part of a straight line that is inside.
-    fn clip(&self, from: Point, to: Point) -> Option<(Point, Point)> {
-        let (dx, dy) = (to.0 - from.0, to.1 - from.1);
-        let (right, bottom) = (self.left + self.width, self.top + self.height);
-        let sides = [(-dx, from.0 - self.left), (dx, right - from.0), (-dy, from.1 - self.top), (dy, bottom - from.1)];
-        let (mut enter, mut leave) = (0.0f64, 1.0f64);
-        for (step, room) in sides {
-            if step.abs() < 1e-12 {
-                if room < 0.0 {
-                    return None;
-                }
-            } else if step < 0.0 {
-                enter = enter.max(room / step);
-            } else {
-                leave = leave.min(room / step);
+/// Draws the legend: a piece of every line with its sign, and its name.
+fn explain(area: &Area, rows: &[Vec<(f64, String, Style)>]) -> Outcome {
+    for (row, entries) in rows.iter().enumerate() {
+        let y = fine(ROW * (row as f64 + 0.5));
+        for (x, name, Style { stroke, shape, .. }) in entries {
+            area.draw(&Line { points: vec![(fine(*x), y), (fine(x + SAMPLE), y)], stroke: *stroke })?;
+            if let Some(shape) = *shape {
+                area.draw(&Sign { at: (fine(x + 0.5 * SAMPLE), y), shape, colour: stroke.colour })?;
             }
+            area.draw_text(name, &lettering(SMALL, INK, Anchor::Start), (fine(x + SAMPLE + 8.0), y))?;
         }
-        let at = |share: f64| (from.0 + share * dx, from.1 + share * dy);
-        (enter <= leave).then(|| (at(enter), at(leave)))
     }
+    Ok(())
 }
 
 impl Chart {
@@ -178,140 +165,145 @@ impl Chart {
         Self { title: title.to_owned(), x, y, bands: Vec::new(), ends: Vec::new(), series }
     }
 
-    fn draw(&self, drawing: &mut Drawing, corner: Point, (width, height): (f64, f64)) {
-        let ticks = self.y.ticks(((height - HEAD - FOOT) / 62.0) as usize);
-        let widest = ticks.iter().map(|tick| letters::width(&tick.label, SMALL)).fold(0.0, f64::max);
-        let left = 16.0 + if self.y.label.is_empty() { 0.0 } else { 28.0 } + widest + 12.0;
+    fn draw(&self, canvas: &RefCell<Canvas>, area: &Area) -> Outcome {
+        let (width, height) = area.dim_in_pixel();
+        let (width, height) = (f64::from(width) / FINE, f64::from(height) / FINE);
+        let labels = ((height - HEAD - FOOT) / 62.0) as usize;
+        let widest = self.y.ticks(labels).iter().map(|tick| letters::width(&tick.label, SMALL)).fold(0.0, f64::max);
+        let left = 16.0 + if self.y.label.is_empty() { 0.0 } else { 28.0 } + widest + 2.0 * TICK;
         let named = self.series.iter().filter(|series| series.style.labelled);
         let right = named.map(|series| letters::width(&series.name, SMALL) + 12.0).fold(RIGHT, f64::max);
-        let frame = Frame {
-            left: corner.0 + left,
-            top: corner.1 + HEAD,
-            width: width - left - right,
-            height: height - HEAD - FOOT,
-        };
         let title = letters::cut(&self.title, LABEL, width - left);
-        drawing.text(&title, (frame.left, corner.1 + 20.0), LABEL, INK, Anchor::Start);
-        self.bands(drawing, &frame);
-        self.axes(drawing, &frame, corner.0, &ticks);
-        for (x, name) in &self.ends {
-            let x = frame.left + self.x.share(*x) * frame.width;
-            drawing.line([(x, frame.top), (x, frame.top + frame.height)], FAINT.dashed(1.5));
-            drawing.text(name, (x, frame.top - 9.0), SMALL, FAINT, Anchor::Middle);
-        }
+        area.draw_text(&title, &lettering(LABEL, INK, Anchor::Start), (fine(left), fine(0.5 * HEAD)))?;
+        let mut plot = ChartBuilder::on(area)
+            .margin_top(fine(HEAD))
+            .margin_bottom(fine(BELOW))
+            .margin_left(fine(BESIDE))
+            .margin_right(fine(right))
+            .x_label_area_size(fine(FOOT - BELOW))
+            .y_label_area_size(fine(left - BESIDE))
+            .build_cartesian_2d(self.x.clone(), self.y.clone())?;
+        let (x, y) = plot.plotting_area().get_pixel_range();
+        let window = Window::new(place((x.start, y.start)), place((x.end - 1, y.end - 1)));
+        canvas.borrow_mut().cut(Some(window.clone()));
+        self.bands(&mut plot)?;
+        canvas.borrow_mut().cut(None);
+        self.axes(&mut plot, [((width - left - right) / 76.0) as usize, labels])?;
+        self.ends(&mut plot)?;
+        canvas.borrow_mut().cut(Some(window.clone()));
         for (number, series) in self.series.iter().enumerate() {
-            self.line(drawing, &frame, series, number);
+            self.series(&mut plot, series, number)?;
         }
-        self.names(drawing, &frame);
+        canvas.borrow_mut().cut(None);
+        self.names(&plot, &window)
     }
 
-    fn bands(&self, drawing: &mut Drawing, frame: &Frame) {
-        for (range, name) in &self.bands {
-            let [from, to] =
-                [range.start, range.end].map(|x| frame.left + self.x.share(x).clamp(0.0, 1.0) * frame.width);
-            drawing.block((from, frame.top), (to, frame.top + frame.height), BAND);
-            drawing.text(name, (0.5 * (from + to), frame.top + 14.0), SMALL, FAINT, Anchor::Middle);
+    fn bands(&self, plot: &mut Plot) -> Outcome {
+        let (low, high) = (self.y.range.start, self.y.range.end);
+        let style = lettering(SMALL, FAINT, Anchor::Middle);
+        for (Range { start, end }, name) in &self.bands {
+            plot.draw_series([Rectangle::new([(*start, low), (*end, high)], RGBColor::from(BAND).filled())])?;
+            let shown = plot.plotting_area().get_pixel_range().0;
+            let [from, to] = [start, end].map(|x| plot.backend_coord(&(*x, high)));
+            let middle = i32::midpoint(from.0.clamp(shown.start, shown.end), to.0.clamp(shown.start, shown.end));
+            let screen = plot.plotting_area().use_screen_coord();
+            screen.draw(&Text::new(name.as_str(), (middle, from.1 + fine(14.0)), style.clone()))?;
         }
+        Ok(())
     }
 
-    fn axes(&self, drawing: &mut Drawing, frame: &Frame, outside: f64, ticks: &[super::axis::Tick]) {
-        let (right, bottom) = (frame.left + frame.width, frame.top + frame.height);
-        let line = FAINT.stroke(1.5);
-        for tick in ticks {
-            let y = frame.top + (1.0 - tick.at) * frame.height;
-            if tick.label.is_empty() {
-                drawing.line([(frame.left - 4.0, y), (frame.left, y)], line);
-                continue;
-            }
-            drawing.line([(frame.left, y), (right, y)], GRID.stroke(1.0));
-            drawing.line([(frame.left - 7.0, y), (frame.left, y)], line);
-            drawing.text(&tick.label, (frame.left - 12.0, y), SMALL, INK, Anchor::End);
-        }
-        let room = (frame.width / 76.0) as usize;
-        for tick in self.x.ticks(room) {
-            let x = frame.left + tick.at * frame.width;
-            let long = if tick.label.is_empty() { 4.0 } else { 7.0 };
-            if !tick.label.is_empty() {
-                drawing.line([(x, frame.top), (x, bottom)], GRID.stroke(1.0));
-            }
-            drawing.line([(x, bottom), (x, bottom + long)], line);
-            drawing.text(&tick.label, (x, bottom + 19.0), SMALL, INK, Anchor::Middle);
-        }
-        drawing.line([(frame.left, frame.top), (frame.left, bottom)], line);
-        let end = frame.left + self.x.scale_end() * frame.width;
-        drawing.line([(frame.left, bottom), (end, bottom)], line);
-        if self.x.apart.is_some() {
-            // The axis is broken: what follows is no value of its scale.
-            for x in [end, end + 8.0] {
-                drawing.line([(x - 4.0, bottom + 7.0), (x + 4.0, bottom - 7.0)], line);
-            }
-            drawing.line([(end + 8.0, bottom), (right, bottom)], line);
-        }
-        drawing.text(&self.x.label, (frame.left + 0.5 * frame.width, bottom + 48.0), SMALL, INK, Anchor::Middle);
-        drawing.upward_text(&self.y.label, (outside + 20.0, frame.top + 0.5 * frame.height), SMALL, INK);
+    /// The mesh and the axes, with room for so many labels.
+    fn axes(&self, plot: &mut Plot, labels: [usize; 2]) -> Outcome {
+        let axis = FAINT.stroke(1.5);
+        plot.configure_mesh()
+            .x_labels(labels[0])
+            .y_labels(labels[1])
+            .bold_line_style(shape(GRID.stroke(1.0)))
+            .light_line_style(TRANSPARENT)
+            .axis_style(shape(axis))
+            .set_all_tick_mark_size(fine(TICK))
+            .label_style(lettering(SMALL, INK, Anchor::Middle))
+            .x_desc(&self.x.label)
+            .y_desc(&self.y.label)
+            .draw()?;
+        let (left, bottom) = (self.x.range.start, self.y.range.start);
+        let light = |axis: &Axis, labels: usize| axis.key_points(LightPoints::new(labels, usize::MAX));
+        let tick = |at: (f64, f64), to: (i32, i32)| EmptyElement::at(at) + PathElement::new([(0, 0), to], shape(axis));
+        let below = light(&self.x, labels[0]).into_iter().map(|x| tick((x, bottom), (0, fine(SHORT))));
+        let beside = light(&self.y, labels[1]).into_iter().map(|y| tick((left, y), (-fine(SHORT), 0)));
+        plot.draw_series(below.chain(beside))?;
+        self.gap(plot)
     }
 
-    /// The pieces of a line that are inside the frame; none across a break of the axis.
-    fn pieces(&self, frame: &Frame, series: &Series) -> Vec<Vec<Point>> {
-        let mut pieces: Vec<Vec<Point>> = Vec::new();
-        let apart = |at: &At| self.x.apart.as_ref().is_some_and(|(apart, _)| at.x >= *apart);
-        for pair in series.points.windows(2).filter(|pair| !apart(&pair[1])) {
-            let [from, to] = [pair[0], pair[1]].map(|at| frame.at(self, at.x, at.y));
-            let Some((from, to)) = frame.clip(from, to) else { continue };
-            let follows = |piece: &&mut Vec<Point>| {
-                piece.last().is_some_and(|last| (last.0 - from.0).abs() + (last.1 - from.1).abs() < 1e-6)
-            };
-            match pieces.last_mut().filter(follows) {
-                Some(piece) => piece.push(to),
-                None => pieces.push(vec![from, to]),
-            }
+    /// The gap in an axis before a value apart: what follows is no value of its scale.
+    fn gap(&self, plot: &Plot) -> Outcome {
+        if self.x.apart.is_none() {
+            return Ok(());
         }
-        pieces
+        let (x, y) = plot.plotting_area().get_pixel_range();
+        let end = x.start + (self.x.scale_end() * f64::from(x.end - x.start)).round() as i32;
+        let screen = plot.plotting_area().use_screen_coord();
+        let ends = [(end, y.end - fine(2.0)), (end + fine(GAP), y.end + fine(2.0))];
+        screen.draw(&Rectangle::new(ends, WHITE.filled()))?;
+        for x in [end, end + fine(GAP)] {
+            let slash = [(x - fine(4.0), y.end + fine(7.0)), (x + fine(4.0), y.end - fine(7.0))];
+            screen.draw(&PathElement::new(slash, shape(FAINT.stroke(1.5))))?;
+        }
+        Ok(())
     }
 
-    fn line(&self, drawing: &mut Drawing, frame: &Frame, series: &Series, number: usize) {
-        let Style { stroke, shape, .. } = series.style;
-        for piece in self.pieces(frame, series) {
-            drawing.line(piece, stroke);
+    fn ends(&self, plot: &mut Plot) -> Outcome {
+        let style = lettering(SMALL, FAINT, Anchor::Middle);
+        let (low, high) = (self.y.range.start, self.y.range.end);
+        for (x, name) in &self.ends {
+            plot.draw_series([Line { points: vec![(*x, low), (*x, high)], stroke: FAINT.dashed(1.5) }])?;
+            let name = Text::new(name.clone(), (0, fine(-9.0)), style.clone());
+            plot.draw_series([EmptyElement::at((*x, high)) + name])?;
         }
-        let thin = stroke.colour.stroke(1.5);
-        for at in &series.points {
-            let Some((low, high)) = at.interval else { continue };
-            let ends = (frame.at(self, at.x, low), frame.at(self, at.x, high));
-            let Some(((x, low), (_, high))) = frame.clip(ends.0, ends.1) else { continue };
-            drawing.line([(x, low), (x, high)], thin);
-            for y in [low, high] {
-                drawing.line([(x - CAP, y), (x + CAP, y)], thin);
-            }
-        }
-        let Some(shape) = shape else { return };
-        let points = &series.points;
-        let every = points.len().div_ceil(MOST_MARKS).max(1);
+        Ok(())
+    }
+
+    fn series(&self, plot: &mut Plot, series: &Series, number: usize) -> Outcome {
+        let Style { stroke, shape: sign, .. } = series.style;
+        let apart = |x: f64| self.x.apart.as_ref().is_some_and(|(apart, _)| x >= *apart);
+        // No line leads across the gap of the axis.
+        let line = series.points.iter().map(|at| (at.x, at.y)).filter(|(x, _)| !apart(*x));
+        match stroke.dashes {
+            Dashes::Solid => plot.draw_series(LineSeries::new(line, shape(stroke)))?,
+            _ => plot.draw_series([Line { points: line.collect(), stroke }])?,
+        };
+        let interval = |at: &At| {
+            let (low, high) = at.interval?;
+            Some(Interval { ends: [(at.x, low), (at.x, high)], stroke: stroke.colour.stroke(1.5) })
+        };
+        plot.draw_series(series.points.iter().filter_map(interval))?;
+        let Some(sign) = sign else { return Ok(()) };
+        let every = series.points.len().div_ceil(MOST_MARKS).max(1);
         // Where not every point has a sign, those of lines that run together stand beside each other.
         let first = number * every / self.series.len().max(1);
-        for at in points.iter().skip(first).step_by(every) {
-            let place = frame.at(self, at.x, at.y);
-            if frame.holds(place) {
-                shape.draw(drawing, place, SIGN, stroke.colour);
-            }
-        }
+        let signed = series.points.iter().skip(first).step_by(every);
+        plot.draw_series(signed.map(|at| Sign { at: (at.x, at.y), shape: sign, colour: stroke.colour }))?;
+        Ok(())
     }
 
     /// Names at the ends of the lines that have no colour of their own, none upon another.
-    fn names(&self, drawing: &mut Drawing, frame: &Frame) {
-        let end = |series: &Series| {
-            let at = series.points.iter().rev().map(|at| frame.at(self, at.x, at.y)).find(|at| frame.holds(*at))?;
-            Some((at.1, series.name.clone()))
+    fn names(&self, plot: &Plot, window: &Window) -> Outcome {
+        let end = |series: &'_ Series| {
+            let places = series.points.iter().rev().map(|at| place(plot.backend_coord(&(at.x, at.y))));
+            Some((places.into_iter().find(|at| window.holds(*at))?.1, series.name.clone()))
         };
-        let mut ends: Vec<(f64, String)> =
-            self.series.iter().filter(|series| series.style.labelled).filter_map(end).collect();
+        let named = self.series.iter().filter(|series| series.style.labelled);
+        let mut ends: Vec<(f64, String)> = named.filter_map(end).collect();
         ends.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut free = frame.top - 10.0;
+        let (x, y) = plot.plotting_area().get_pixel_range();
+        let screen = plot.plotting_area().use_screen_coord();
+        let mut free = place((0, y.start)).1 - 10.0;
         for (y, name) in ends {
             let y = y.max(free);
-            drawing.text(&name, (frame.left + frame.width + 8.0, y), SMALL, FAINT, Anchor::Start);
+            screen.draw(&Text::new(name, (x.end + fine(8.0), fine(y)), lettering(SMALL, FAINT, Anchor::Start)))?;
             free = y + SMALL;
         }
+        Ok(())
     }
 }
 
@@ -374,8 +366,11 @@ mod tests {
     fn no_line_leads_to_a_value_apart() {
         let mut apart = chart(&[(1.0, 0.2), (5.0, 0.3), (1000.0, 0.4)]);
         apart.x.apart = Some((1000.0, "all".to_owned()));
-        let frame = Frame { left: 0.0, top: 0.0, width: 100.0, height: 100.0 };
-        let pieces = apart.pieces(&frame, &apart.series[0]);
-        assert_eq!(pieces.iter().map(Vec::len).collect::<Vec<_>>(), [2]);
+        let drawing = sheet(&[apart], 1, (600.0, 400.0), &Paper::default());
+        let lines = drawing.items.iter().filter_map(|item| match item {
+            Item::Line { points, stroke } if (stroke.width - 2.5).abs() < 1e-9 => Some(points.len()),
+            _ => None,
+        });
+        assert_eq!(lines.collect::<Vec<_>>(), [2, 2, 2, 2], "two lines, and two in the legend");
     }
 }

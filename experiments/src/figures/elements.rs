@@ -1,0 +1,91 @@
+//! Elements that plotters has not: broken lines, intervals that end with their scale, and signs of every shape.
+
+use plotters::element::{Drawable, PointCollection};
+use plotters_backend::BackendCoord;
+
+use super::backend::{Canvas, Drawn, place};
+use super::drawing::Stroke;
+use super::ink::Colour;
+use super::mark::Shape;
+
+/// Half the size of a sign, and of the ends of an interval.
+const SIGN: f64 = 6.5;
+const CAP: f64 = 4.0;
+
+/// A line through points, in dashes if its stroke has them.
+pub struct Line<At> {
+    pub points: Vec<At>,
+    pub stroke: Stroke,
+}
+
+/// An upright line between two points: a bar ends it where the scale does not.
+pub struct Interval<At> {
+    pub ends: [At; 2],
+    pub stroke: Stroke,
+}
+
+/// The sign of a point, if the point is shown.
+pub struct Sign<At> {
+    pub at: At,
+    pub shape: Shape,
+    pub colour: Colour,
+}
+
+impl<'a, At> PointCollection<'a, At> for &'a Line<At> {
+    type Point = &'a At;
+    type IntoIter = &'a [At];
+
+    fn point_iter(self) -> &'a [At] {
+        &self.points
+    }
+}
+
+impl<'a, At> PointCollection<'a, At> for &'a Interval<At> {
+    type Point = &'a At;
+    type IntoIter = &'a [At; 2];
+
+    fn point_iter(self) -> &'a [At; 2] {
+        &self.ends
+    }
+}
+
+impl<'a, At> PointCollection<'a, At> for &'a Sign<At> {
+    type Point = &'a At;
+    type IntoIter = std::iter::Once<&'a At>;
+
+    fn point_iter(self) -> Self::IntoIter {
+        std::iter::once(&self.at)
+    }
+}
+
+impl<At> Drawable<Canvas> for Line<At> {
+    fn draw<I: Iterator<Item = BackendCoord>>(&self, pos: I, canvas: &mut Canvas, _: (u32, u32)) -> Drawn {
+        canvas.path(pos, self.stroke);
+        Ok(())
+    }
+}
+
+impl<At> Drawable<Canvas> for Interval<At> {
+    fn draw<I: Iterator<Item = BackendCoord>>(&self, pos: I, canvas: &mut Canvas, _: (u32, u32)) -> Drawn {
+        let ends: Vec<BackendCoord> = pos.collect();
+        canvas.path(ends.iter().copied(), self.stroke);
+        for end in ends {
+            if canvas.shows(end) {
+                let (x, y) = place(end);
+                canvas.drawing.line([(x - CAP, y), (x + CAP, y)], self.stroke);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl<At> Drawable<Canvas> for Sign<At> {
+    fn draw<I: Iterator<Item = BackendCoord>>(&self, pos: I, canvas: &mut Canvas, _: (u32, u32)) -> Drawn {
+        for at in pos {
+            if canvas.shows(at) {
+                self.shape.draw(&mut canvas.drawing, place(at), SIGN, self.colour);
+            }
+        }
+        Ok(())
+    }
+}
