@@ -10,6 +10,7 @@ pub mod drawing;
 mod encode;
 pub mod ink;
 pub mod key;
+mod legend;
 pub mod letters;
 pub mod maps;
 pub mod mark;

@@ -5,6 +5,7 @@ use std::ops::Range;
 pub use super::axis::Axis;
 use super::drawing::{Anchor, Drawing, Point};
 use super::ink::{Colour, FAINT, GRID, INK, LABEL, SMALL};
+use super::legend::Legend;
 use super::letters;
 use super::paper::Paper;
 use super::style::Style;
@@ -56,7 +57,7 @@ pub struct Chart {
 const MOST_MARKS: usize = 24;
 
 /// Half the size of a sign, and of the ends of an interval.
-const SIGN: f64 = 6.5;
+pub(super) const SIGN: f64 = 6.5;
 const CAP: f64 = 4.0;
 
 const BAND: Colour = Colour(236, 240, 245);
@@ -64,11 +65,7 @@ const BAND: Colour = Colour(236, 240, 245);
 /// Room about a chart: above it for the title, below it for its axis, and to its right.
 const HEAD: f64 = 40.0;
 const FOOT: f64 = 66.0;
-const RIGHT: f64 = 20.0;
-
-/// Length of a legend's line, and height of its rows.
-const SAMPLE: f64 = 44.0;
-const ROW: f64 = 30.0;
+pub(super) const RIGHT: f64 = 20.0;
 
 /// The narrowest that a chart may become, as a share of the width that it was made for.
 const NARROWEST: f64 = 0.62;
@@ -80,56 +77,15 @@ pub fn sheet(charts: &[Chart], columns: usize, (width, height): (f64, f64), pape
     let columns = (1..=natural).rev().find(|k| whole / *k as f64 >= NARROWEST * width).unwrap_or(1);
     let rows = charts.len().div_ceil(columns).max(1);
     let each = whole / columns as f64;
-    let legend = legend(charts, whole);
+    let legend = Legend::of(charts, whole);
     let top = height * rows as f64;
-    let below = if legend.is_empty() { 0.0 } else { ROW * legend.len() as f64 + 12.0 };
-    let mut drawing = Drawing::new(whole, top + below);
+    let mut drawing = Drawing::new(whole, top + legend.height());
     for (k, chart) in charts.iter().enumerate() {
         let corner = ((k % columns) as f64 * each, (k / columns) as f64 * height);
         chart.draw(&mut drawing, corner, (each, height));
     }
-    for (row, entries) in legend.iter().enumerate() {
-        let y = top + ROW * (row as f64 + 0.5);
-        for (x, name, style) in entries {
-            sample(&mut drawing, (*x, y), *style);
-            drawing.text(name, (x + SAMPLE + 8.0, y), SMALL, INK, Anchor::Start);
-        }
-    }
+    legend.draw(&mut drawing, top);
     drawing
-}
-
-/// Rows of the legend: where an entry begins, its name and style. None where there is nothing to tell apart.
-fn legend(charts: &[Chart], width: f64) -> Vec<Vec<(f64, String, Style)>> {
-    let mut entries: Vec<(&str, Style)> = Vec::new();
-    for series in charts.iter().flat_map(|chart| &chart.series).filter(|series| !series.name.is_empty()) {
-        if !entries.iter().any(|(name, _)| *name == series.name) {
-            entries.push((&series.name, series.style));
-        }
-    }
-    if entries.len() < 2 {
-        return Vec::new();
-    }
-    let (mut rows, mut x) = (vec![Vec::new()], RIGHT);
-    for (name, style) in entries {
-        let wide = SAMPLE + 8.0 + letters::width(name, SMALL) + 28.0;
-        if x + wide > width && x > RIGHT {
-            rows.push(Vec::new());
-            x = RIGHT;
-        }
-        if let Some(row) = rows.last_mut() {
-            row.push((x, name.to_owned(), style));
-        }
-        x += wide;
-    }
-    rows
-}
-
-/// A piece of a line with its sign.
-fn sample(drawing: &mut Drawing, (x, y): Point, style: Style) {
-    drawing.line([(x, y), (x + SAMPLE, y)], style.stroke);
-    if let Some(shape) = style.shape {
-        shape.draw(drawing, (x + 0.5 * SAMPLE, y), SIGN, style.stroke.colour);
-    }
 }
 
 /// Where a chart's lines are.
@@ -182,7 +138,7 @@ impl Chart {
         let ticks = self.y.ticks(((height - HEAD - FOOT) / 62.0) as usize);
         let widest = ticks.iter().map(|tick| letters::width(&tick.label, SMALL)).fold(0.0, f64::max);
         let left = 16.0 + if self.y.label.is_empty() { 0.0 } else { 28.0 } + widest + 12.0;
-        let named = self.series.iter().filter(|series| series.style.labelled);
+        let named = self.series.iter().filter(|series| series.style.labelled && !series.points.is_empty());
         let right = named.map(|series| letters::width(&series.name, SMALL) + 12.0).fold(RIGHT, f64::max);
         let frame = Frame {
             left: corner.0 + left,
