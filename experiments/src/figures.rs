@@ -12,6 +12,7 @@ mod elements;
 mod encode;
 pub mod ink;
 pub mod key;
+mod legend;
 pub mod letters;
 pub mod maps;
 pub mod mark;

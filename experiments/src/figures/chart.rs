@@ -18,6 +18,7 @@ use super::backend::{Canvas, FINE, Missing, fine, lettering, place, shape};
 use super::drawing::{Anchor, Dashes, Drawing};
 use super::elements::{Interval, Line, Sign};
 use super::ink::{Colour, FAINT, GRID, INK, LABEL, SMALL};
+use super::legend::Legend;
 use super::letters;
 use super::paper::Paper;
 use super::style::Style;
@@ -74,7 +75,7 @@ const BAND: Colour = Colour(236, 240, 245);
 /// Room about a chart: above it for the title, below it for its axis, and to its right.
 const HEAD: f64 = 40.0;
 const FOOT: f64 = 66.0;
-const RIGHT: f64 = 20.0;
+pub(super) const RIGHT: f64 = 20.0;
 
 /// What of the room to the left and below is a margin.
 const BESIDE: f64 = 12.8;
@@ -86,10 +87,6 @@ const SHORT: f64 = 4.0;
 
 /// Width of the gap in an axis with a value apart.
 const GAP: f64 = 8.0;
-
-/// Length of a legend's line, and height of its rows.
-const SAMPLE: f64 = 44.0;
-const ROW: f64 = 30.0;
 
 /// The narrowest that a chart may become, as a share of the width that it was made for.
 const NARROWEST: f64 = 0.62;
@@ -106,57 +103,15 @@ pub fn sheet(charts: &[Chart], columns: usize, (width, height): (f64, f64), pape
     let whole = paper.width(width * natural as f64);
     let columns = (1..=natural).rev().find(|k| whole / *k as f64 >= NARROWEST * width).unwrap_or(1);
     let rows = charts.len().div_ceil(columns).max(1);
-    let legend = legend(charts, whole);
+    let legend = Legend::of(charts, whole);
     let top = height * rows as f64;
-    let below = if legend.is_empty() { 0.0 } else { ROW * legend.len() as f64 + 12.0 };
-    let canvas = Rc::new(RefCell::new(Canvas::new(whole, top + below)));
-    let (upper, lower) = DrawingArea::from(&canvas).split_vertically(fine(top));
-    let drawn =
-        charts.iter().zip(upper.split_evenly((rows, columns))).try_for_each(|(chart, area)| chart.draw(&canvas, &area));
-    let drawn = drawn.and_then(|()| explain(&lower, &legend));
-    drawn.expect("a canvas has an item for all that charts consist of");
-    canvas.replace(Canvas::new(0.0, 0.0)).drawing
-}
-
-/// Rows of the legend: where an entry begins, its name and style. None where there is nothing to tell apart.
-fn legend(charts: &[Chart], width: f64) -> Vec<Vec<(f64, String, Style)>> {
-    let mut entries: Vec<(&str, Style)> = Vec::new();
-    for series in charts.iter().flat_map(|chart| &chart.series).filter(|series| !series.name.is_empty()) {
-        if !entries.iter().any(|(name, _)| *name == series.name) {
-            entries.push((&series.name, series.style));
-        }
-    }
-    if entries.len() < 2 {
-        return Vec::new();
-    }
-    let (mut rows, mut x) = (vec![Vec::new()], RIGHT);
-    for (name, style) in entries {
-        let wide = SAMPLE + 8.0 + letters::width(name, SMALL) + 28.0;
-        if x + wide > width && x > RIGHT {
-            rows.push(Vec::new());
-            x = RIGHT;
-        }
-        if let Some(row) = rows.last_mut() {
-            row.push((x, name.to_owned(), style));
-        }
-        x += wide;
-    }
-    rows
-}
-
-/// Draws the legend: a piece of every line with its sign, and its name.
-fn explain(area: &Area, rows: &[Vec<(f64, String, Style)>]) -> Outcome {
-    for (row, entries) in rows.iter().enumerate() {
-        let y = fine(ROW * (row as f64 + 0.5));
-        for (x, name, Style { stroke, shape, .. }) in entries {
-            area.draw(&Line { points: vec![(fine(*x), y), (fine(x + SAMPLE), y)], stroke: *stroke })?;
-            if let Some(shape) = *shape {
-                area.draw(&Sign { at: (fine(x + 0.5 * SAMPLE), y), shape, colour: stroke.colour })?;
-            }
-            area.draw_text(name, &lettering(SMALL, INK, Anchor::Start), (fine(x + SAMPLE + 8.0), y))?;
-        }
-    }
-    Ok(())
+    let canvas = Rc::new(RefCell::new(Canvas::new(whole, top + legend.height())));
+    let areas = DrawingArea::from(&canvas).split_vertically(fine(top)).0.split_evenly((rows, columns));
+    let drawn = charts.iter().zip(areas).try_for_each(|(chart, area)| chart.draw(&canvas, &area));
+    drawn.expect("a drawing has an item for all that charts consist of");
+    let mut drawing = canvas.replace(Canvas::new(0.0, 0.0)).drawing;
+    legend.draw(&mut drawing, top);
+    drawing
 }
 
 impl Chart {
@@ -171,7 +126,7 @@ impl Chart {
         let labels = ((height - HEAD - FOOT) / 62.0) as usize;
         let widest = self.y.ticks(labels).iter().map(|tick| letters::width(&tick.label, SMALL)).fold(0.0, f64::max);
         let left = 16.0 + if self.y.label.is_empty() { 0.0 } else { 28.0 } + widest + 2.0 * TICK;
-        let named = self.series.iter().filter(|series| series.style.labelled);
+        let named = self.series.iter().filter(|series| series.style.labelled && !series.points.is_empty());
         let right = named.map(|series| letters::width(&series.name, SMALL) + 12.0).fold(RIGHT, f64::max);
         let title = letters::cut(&self.title, LABEL, width - left);
         area.draw_text(&title, &lettering(LABEL, INK, Anchor::Start), (fine(left), fine(0.5 * HEAD)))?;

@@ -9,29 +9,32 @@ use super::ink::Colour;
 use super::mark::Shape;
 
 /// Half the size of a sign, and of the ends of an interval.
-const SIGN: f64 = 6.5;
+pub(super) const SIGN: f64 = 6.5;
 const CAP: f64 = 4.0;
 
+/// A place by the axes of a plot.
+type At = (f64, f64);
+
 /// A line through points, in dashes if its stroke has them.
-pub struct Line<At> {
+pub struct Line {
     pub points: Vec<At>,
     pub stroke: Stroke,
 }
 
 /// An upright line between two points: a bar ends it where the scale does not.
-pub struct Interval<At> {
+pub struct Interval {
     pub ends: [At; 2],
     pub stroke: Stroke,
 }
 
 /// The sign of a point, if the point is shown.
-pub struct Sign<At> {
+pub struct Sign {
     pub at: At,
     pub shape: Shape,
     pub colour: Colour,
 }
 
-impl<'a, At> PointCollection<'a, At> for &'a Line<At> {
+impl<'a> PointCollection<'a, At> for &'a Line {
     type Point = &'a At;
     type IntoIter = &'a [At];
 
@@ -40,7 +43,7 @@ impl<'a, At> PointCollection<'a, At> for &'a Line<At> {
     }
 }
 
-impl<'a, At> PointCollection<'a, At> for &'a Interval<At> {
+impl<'a> PointCollection<'a, At> for &'a Interval {
     type Point = &'a At;
     type IntoIter = &'a [At; 2];
 
@@ -49,7 +52,7 @@ impl<'a, At> PointCollection<'a, At> for &'a Interval<At> {
     }
 }
 
-impl<'a, At> PointCollection<'a, At> for &'a Sign<At> {
+impl<'a> PointCollection<'a, At> for &'a Sign {
     type Point = &'a At;
     type IntoIter = std::iter::Once<&'a At>;
 
@@ -58,14 +61,14 @@ impl<'a, At> PointCollection<'a, At> for &'a Sign<At> {
     }
 }
 
-impl<At> Drawable<Canvas> for Line<At> {
+impl Drawable<Canvas> for Line {
     fn draw<I: Iterator<Item = BackendCoord>>(&self, pos: I, canvas: &mut Canvas, _: (u32, u32)) -> Drawn {
         canvas.path(pos, self.stroke);
         Ok(())
     }
 }
 
-impl<At> Drawable<Canvas> for Interval<At> {
+impl Drawable<Canvas> for Interval {
     fn draw<I: Iterator<Item = BackendCoord>>(&self, pos: I, canvas: &mut Canvas, _: (u32, u32)) -> Drawn {
         let ends: Vec<BackendCoord> = pos.collect();
         canvas.path(ends.iter().copied(), self.stroke);
@@ -79,7 +82,7 @@ impl<At> Drawable<Canvas> for Interval<At> {
     }
 }
 
-impl<At> Drawable<Canvas> for Sign<At> {
+impl Drawable<Canvas> for Sign {
     fn draw<I: Iterator<Item = BackendCoord>>(&self, pos: I, canvas: &mut Canvas, _: (u32, u32)) -> Drawn {
         for at in pos {
             if canvas.shows(at) {

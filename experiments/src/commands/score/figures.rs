@@ -51,9 +51,9 @@ pub(super) fn errors(scored: &Scored, truth: &Truth, prior: f64, paper: &Paper) 
     let panel = panel(columns);
     let (width, height) = panel.size();
     let rows = scored.maps.len().div_ceil(pairs) as f64;
-    let beside = (columns - 1.0) * (width + GAP) - 3.0 * GAP;
-    let fits = beside >= 320.0 && height >= key::HEIGHT + 30.0;
-    let first = GAP + HEAD + height + if fits { GAP } else { 2.0 * GAP + key::HEIGHT + 34.0 };
+    let beside = (columns - 1.0) * (width + GAP) - 4.0 * GAP;
+    let fits = beside >= 320.0 && height >= key::HEIGHT + 40.0;
+    let first = GAP + HEAD + height + if fits { GAP } else { 2.0 * GAP + key::HEIGHT + 44.0 };
     let mut drawing = Drawing::new(GAP + columns * (width + GAP), first + rows * (height + HEAD + GAP));
     let d = &mut drawing;
     let titled = |d: &mut Drawing, title: &str, x: f64, y: f64| {
@@ -65,7 +65,7 @@ pub(super) fn errors(scored: &Scored, truth: &Truth, prior: f64, paper: &Paper) 
     let room = if fits { beside } else { d.width - 2.0 * GAP };
     let unknown = truth.cells.values().iter().any(Option::is_none).then_some(key::Sign::UnknownTruth);
     key::draw(d, (x, y), room, &panel, prior, unknown.as_slice());
-    error_key(d, (x, y + 172.0));
+    error_key(d, (x, y + 172.0), x + room);
     for (k, map) in scored.maps.iter().enumerate() {
         let at = GAP + (k % pairs) as f64 * 2.0 * (width + GAP);
         let y = first + (k / pairs) as f64 * (height + HEAD + GAP);
@@ -76,13 +76,18 @@ pub(super) fn errors(scored: &Scored, truth: &Truth, prior: f64, paper: &Paper) 
 }
 
 /// What the colours of errors mean.
-fn error_key(drawing: &mut Drawing, (mut x, y): (f64, f64)) {
+fn error_key(drawing: &mut Drawing, (left, mut y): (f64, f64), right: f64) {
+    let mut x = left;
     for (colour, text) in [(IMAGINED, "obstacle imagined"), (MISSED, "obstacle missed")] {
+        let wide = 70.0 + letters::width(text, SMALL);
+        if x + wide > right {
+            (x, y) = (left, y + 30.0);
+        }
         let shades = (0..32).map(|k| Colour::WHITE.towards(colour, f64::from(k) / 31.0)).collect();
         drawing.cells((x, y - 9.0), (60.0, 18.0), 32, shades);
         drawing.frame((x, y - 9.0), (x + 60.0, y + 9.0), FAINT.stroke(1.0));
         drawing.text(text, (x + 70.0, y), SMALL, INK, Anchor::Start);
-        x += 70.0 + letters::width(text, SMALL) + 30.0;
+        x += wide + 30.0;
     }
 }
 
