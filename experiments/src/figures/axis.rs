@@ -51,6 +51,16 @@ impl Axis {
         (at(value) - from) / (to - from) * self.scale_end()
     }
 
+    /// The value of the scale at a share of the axis.
+    pub fn value(&self, share: f64) -> f64 {
+        let (from, to) = (self.range.start, self.range.end);
+        let share = share / self.scale_end();
+        if !self.logarithmic {
+            return from + share * (to - from);
+        }
+        libm::pow(10.0, libm::log10(from) + share * (libm::log10(to) - libm::log10(from)))
+    }
+
     /// Where the scale ends, as a share of the axis.
     pub fn scale_end(&self) -> f64 {
         if self.apart.is_some() { SCALE } else { 1.0 }
@@ -213,6 +223,13 @@ mod tests {
             prop_assert!(ticks.windows(2).all(|pair| pair[0].at < pair[1].at));
             prop_assert!(ticks.iter().all(|tick| (-1e-6..=1.0 + 1e-6).contains(&tick.at)));
             prop_assert!(labelled.windows(2).all(|pair| pair[0].label != pair[1].label), "{labelled:?}");
+        }
+
+        #[test]
+        fn a_value_is_where_its_share_is(from in 1e-6..1e3f64, ratio in 1.2..1e6f64, share in 0.0..0.84f64, logarithmic: bool, gap: bool) {
+            let apart = gap.then(|| (f64::INFINITY, "all".to_owned()));
+            let axis = Axis { logarithmic, apart, ..Axis::linear("", from..from * ratio) };
+            prop_assert!((axis.share(axis.value(share)) - share).abs() < 1e-9);
         }
     }
 }

@@ -10,7 +10,6 @@ use plotters_backend::{
 use super::drawing::{Anchor, Drawing, Point, Stroke};
 use super::ink::Colour;
 use super::letters;
-use super::window::Window;
 
 /// Steps of a unit: plotters counts in whole numbers, and a step is too small to be seen in any print.
 pub(super) const FINE: f64 = 256.0;
@@ -40,33 +39,17 @@ pub(super) type Drawn = Result<(), DrawingErrorKind<Missing>>;
 #[derive(Debug)]
 pub struct Canvas {
     pub drawing: Drawing,
-    /// Where lines and rectangles end, if anywhere: plotters cuts nothing.
-    window: Option<Window>,
 }
 
 impl Canvas {
     /// A white sheet of so many units.
     pub fn new(width: f64, height: f64) -> Self {
-        Self { drawing: Drawing::new(width, height), window: None }
+        Self { drawing: Drawing::new(width, height) }
     }
 
-    /// Lets lines and rectangles end at a window, or nowhere.
-    pub fn cut(&mut self, window: Option<Window>) {
-        self.window = window;
-    }
-
-    /// Whether a place is where lines are drawn.
-    pub fn shows(&self, at: BackendCoord) -> bool {
-        self.window.as_ref().is_none_or(|window| window.holds(place(at)))
-    }
-
-    /// A line, broken or not, as far as the window goes.
+    /// A line, broken or not.
     pub fn path(&mut self, points: impl IntoIterator<Item = BackendCoord>, stroke: Stroke) {
-        let points: Vec<Point> = points.into_iter().map(place).collect();
-        match &self.window {
-            Some(window) => window.pieces(&points).into_iter().for_each(|piece| self.drawing.line(piece, stroke)),
-            None => self.drawing.line(points, stroke),
-        }
+        self.drawing.line(points.into_iter().map(place), stroke);
     }
 }
 
@@ -107,10 +90,8 @@ impl DrawingBackend for Canvas {
             let corners = [from, (to.0, from.1), to, (from.0, to.1), from];
             return self.draw_path(corners, style);
         }
-        let corners = [from, to].map(place);
-        let [from, to] = self.window.as_ref().map_or(corners, |window| corners.map(|corner| window.nearest(corner)));
         if let Some(colour) = colour(style) {
-            self.drawing.block(from, to, colour);
+            self.drawing.block(place(from), place(to), colour);
         }
         Ok(())
     }
@@ -212,7 +193,7 @@ pub(super) fn lettering(size: f64, colour: Colour, anchor: Anchor) -> TextStyle<
 mod tests {
     use plotters::drawing::IntoDrawingArea;
     use plotters::element::{Circle, PathElement, Polygon, Rectangle, Text};
-    use plotters::style::{BLACK, Color, RED, WHITE};
+    use plotters::style::{BLACK, Color, RED};
 
     use super::super::drawing::Item;
     use super::*;
@@ -294,21 +275,5 @@ mod tests {
         let turned = style.transform(FontTransform::Rotate180);
         let error = area.draw(&Text::new("room", (0, 0), turned)).expect_err("no such item");
         assert!(error.to_string().contains("stands on its head"), "{error}");
-    }
-
-    #[test]
-    fn lines_and_blocks_end_at_the_window() {
-        let cut = |draw: &dyn Fn(&mut Canvas) -> Drawn| {
-            items(|canvas| {
-                canvas.cut(Some(Window::new((10.0, 10.0), (90.0, 40.0))));
-                draw(canvas)
-            })
-        };
-        let line = cut(&|canvas| canvas.draw_line(at(0.0, 20.0), at(100.0, 20.0), &BLACK));
-        assert!(matches!(&line[..], [Item::Line { points, .. }] if points[..] == [(10.0, 20.0), (90.0, 20.0)]));
-        let block = cut(&|canvas| canvas.draw_rect(at(0.0, 20.0), (i32::MAX, fine(30.0)), &WHITE, true));
-        let corners = [(10.0, 20.0), (90.0, 20.0), (90.0, 30.0), (10.0, 30.0)];
-        assert!(matches!(&block[..], [Item::Area { points, .. }] if points[..] == corners), "{block:?}");
-        assert!(cut(&|canvas| canvas.draw_line(at(0.0, 0.0), at(100.0, 0.0), &BLACK)).is_empty());
     }
 }

@@ -16,7 +16,7 @@ use plotters::style::{Color, RGBColor, TRANSPARENT, WHITE};
 pub use super::axis::Axis;
 use super::backend::{Canvas, FINE, Missing, fine, lettering, place, shape};
 use super::drawing::{Anchor, Dashes, Drawing};
-use super::elements::{Interval, Line, Sign};
+use super::elements::{Line, Sign};
 use super::ink::{Colour, FAINT, GRID, INK, LABEL, SMALL};
 use super::legend::Legend;
 use super::letters;
@@ -70,6 +70,9 @@ pub struct Chart {
 /// More marks of a series than this would run together.
 const MOST_MARKS: usize = 24;
 
+/// Half the length of the bars that end an interval.
+const CAP: f64 = 4.0;
+
 const BAND: Colour = Colour(236, 240, 245);
 
 /// Room about a chart: above it for the title, below it for its axis, and to its right.
@@ -107,7 +110,7 @@ pub fn sheet(charts: &[Chart], columns: usize, (width, height): (f64, f64), pape
     let top = height * rows as f64;
     let canvas = Rc::new(RefCell::new(Canvas::new(whole, top + legend.height())));
     let areas = DrawingArea::from(&canvas).split_vertically(fine(top)).0.split_evenly((rows, columns));
-    let drawn = charts.iter().zip(areas).try_for_each(|(chart, area)| chart.draw(&canvas, &area));
+    let drawn = charts.iter().zip(areas).try_for_each(|(chart, area)| chart.draw(&area));
     drawn.expect("a drawing has an item for all that charts consist of");
     let mut drawing = canvas.replace(Canvas::new(0.0, 0.0)).drawing;
     legend.draw(&mut drawing, top);
@@ -120,7 +123,7 @@ impl Chart {
         Self { title: title.to_owned(), x, y, bands: Vec::new(), ends: Vec::new(), series }
     }
 
-    fn draw(&self, canvas: &RefCell<Canvas>, area: &Area) -> Outcome {
+    fn draw(&self, area: &Area) -> Outcome {
         let (width, height) = area.dim_in_pixel();
         let (width, height) = (f64::from(width) / FINE, f64::from(height) / FINE);
         let labels = ((height - HEAD - FOOT) / 62.0) as usize;
@@ -138,19 +141,27 @@ impl Chart {
             .x_label_area_size(fine(FOOT - BELOW))
             .y_label_area_size(fine(left - BESIDE))
             .build_cartesian_2d(self.x.clone(), self.y.clone())?;
-        let (x, y) = plot.plotting_area().get_pixel_range();
-        let window = Window::new(place((x.start, y.start)), place((x.end - 1, y.end - 1)));
-        canvas.borrow_mut().cut(Some(window.clone()));
         self.bands(&mut plot)?;
-        canvas.borrow_mut().cut(None);
         self.axes(&mut plot, [((width - left - right) / 76.0) as usize, labels])?;
+        self.gap(&plot, area)?;
         self.ends(&mut plot)?;
-        canvas.borrow_mut().cut(Some(window.clone()));
         for (number, series) in self.series.iter().enumerate() {
             self.series(&mut plot, series, number)?;
         }
-        canvas.borrow_mut().cut(None);
-        self.names(&plot, &window)
+        self.names(&plot, area)
+    }
+
+    /// Where values are shown, as shares of the axes.
+    fn window(&self) -> Window {
+        Window::new((0.0, 0.0), (1.0, 1.0))
+    }
+
+    fn shares(&self, (x, y): (f64, f64)) -> (f64, f64) {
+        (self.x.share(x), self.y.share(y))
+    }
+
+    fn shows(&self, x: f64, y: f64) -> bool {
+        self.window().holds(self.shares((x, y)))
     }
 
     fn bands(&self, plot: &mut Plot) -> Outcome {
@@ -158,11 +169,9 @@ impl Chart {
         let style = lettering(SMALL, FAINT, Anchor::Middle);
         for (Range { start, end }, name) in &self.bands {
             plot.draw_series([Rectangle::new([(*start, low), (*end, high)], RGBColor::from(BAND).filled())])?;
-            let shown = plot.plotting_area().get_pixel_range().0;
-            let [from, to] = [start, end].map(|x| plot.backend_coord(&(*x, high)));
-            let middle = i32::midpoint(from.0.clamp(shown.start, shown.end), to.0.clamp(shown.start, shown.end));
-            let screen = plot.plotting_area().use_screen_coord();
-            screen.draw(&Text::new(name.as_str(), (middle, from.1 + fine(14.0)), style.clone()))?;
+            let [from, to] = [start, end].map(|x| self.x.share(*x).clamp(0.0, 1.0));
+            let name = Text::new(name.clone(), (0, fine(14.0)), style.clone());
+            plot.draw_series([EmptyElement::at((self.x.value(0.5 * (from + to)), high)) + name])?;
         }
         Ok(())
     }
@@ -187,17 +196,17 @@ impl Chart {
         let below = light(&self.x, labels[0]).into_iter().map(|x| tick((x, bottom), (0, fine(SHORT))));
         let beside = light(&self.y, labels[1]).into_iter().map(|y| tick((left, y), (-fine(SHORT), 0)));
         plot.draw_series(below.chain(beside))?;
-        self.gap(plot)
+        Ok(())
     }
 
     /// The gap in an axis before a value apart: what follows is no value of its scale.
-    fn gap(&self, plot: &Plot) -> Outcome {
+    fn gap(&self, plot: &Plot, area: &Area) -> Outcome {
         if self.x.apart.is_none() {
             return Ok(());
         }
         let (x, y) = plot.plotting_area().get_pixel_range();
         let end = x.start + (self.x.scale_end() * f64::from(x.end - x.start)).round() as i32;
-        let screen = plot.plotting_area().use_screen_coord();
+        let screen = area.use_screen_coord();
         let ends = [(end, y.end - fine(2.0)), (end + fine(GAP), y.end + fine(2.0))];
         screen.draw(&Rectangle::new(ends, WHITE.filled()))?;
         for x in [end, end + fine(GAP)] {
@@ -210,7 +219,7 @@ impl Chart {
     fn ends(&self, plot: &mut Plot) -> Outcome {
         let style = lettering(SMALL, FAINT, Anchor::Middle);
         let (low, high) = (self.y.range.start, self.y.range.end);
-        for (x, name) in &self.ends {
+        for (x, name) in self.ends.iter().filter(|(x, _)| self.shows(*x, low)) {
             plot.draw_series([Line { points: vec![(*x, low), (*x, high)], stroke: FAINT.dashed(1.5) }])?;
             let name = Text::new(name.clone(), (0, fine(-9.0)), style.clone());
             plot.draw_series([EmptyElement::at((*x, high)) + name])?;
@@ -220,38 +229,54 @@ impl Chart {
 
     fn series(&self, plot: &mut Plot, series: &Series, number: usize) -> Outcome {
         let Style { stroke, shape: sign, .. } = series.style;
-        let apart = |x: f64| self.x.apart.as_ref().is_some_and(|(apart, _)| x >= *apart);
-        // No line leads across the gap of the axis.
-        let line = series.points.iter().map(|at| (at.x, at.y)).filter(|(x, _)| !apart(*x));
-        match stroke.dashes {
-            Dashes::Solid => plot.draw_series(LineSeries::new(line, shape(stroke)))?,
-            _ => plot.draw_series([Line { points: line.collect(), stroke }])?,
-        };
-        let interval = |at: &At| {
-            let (low, high) = at.interval?;
-            Some(Interval { ends: [(at.x, low), (at.x, high)], stroke: stroke.colour.stroke(1.5) })
-        };
-        plot.draw_series(series.points.iter().filter_map(interval))?;
+        for line in self.pieces(series) {
+            match stroke.dashes {
+                Dashes::Solid => plot.draw_series(LineSeries::new(line, shape(stroke)))?,
+                Dashes::Dashed | Dashes::Dotted => plot.draw_series([Line { points: line, stroke }])?,
+            };
+        }
+        let thin = shape(stroke.colour.stroke(1.5));
+        for at in &series.points {
+            let Some((low, high)) = at.interval else { continue };
+            let ends = [(at.x, low), (at.x, high)];
+            let [below, above] = ends.map(|end| self.shares(end));
+            if self.window().clip(below, above).is_none() {
+                continue;
+            }
+            plot.draw_series([PathElement::new(ends, thin)])?;
+            // Where the scale ends before the interval does, no bar says that it ends.
+            let cap = |end| EmptyElement::at(end) + PathElement::new([(-fine(CAP), 0), (fine(CAP), 0)], thin);
+            plot.draw_series(ends.into_iter().filter(|(x, y)| self.shows(*x, *y)).map(cap))?;
+        }
         let Some(sign) = sign else { return Ok(()) };
         let every = series.points.len().div_ceil(MOST_MARKS).max(1);
         // Where not every point has a sign, those of lines that run together stand beside each other.
         let first = number * every / self.series.len().max(1);
-        let signed = series.points.iter().skip(first).step_by(every);
+        let signed = series.points.iter().skip(first).step_by(every).filter(|at| self.shows(at.x, at.y));
         plot.draw_series(signed.map(|at| Sign { at: (at.x, at.y), shape: sign, colour: stroke.colour }))?;
         Ok(())
     }
 
+    /// The pieces of a line that are shown; none across the gap of the axis.
+    fn pieces(&self, series: &Series) -> Vec<Vec<(f64, f64)>> {
+        let apart = |x: f64| self.x.apart.as_ref().is_some_and(|(apart, _)| x >= *apart);
+        let line = series.points.iter().map(|at| (at.x, at.y)).filter(|(x, y)| !apart(*x) && y.is_finite());
+        let pieces = self.window().pieces(&line.map(|at| self.shares(at)).collect::<Vec<_>>());
+        let values = |(x, y): (f64, f64)| (self.x.value(x), self.y.value(y));
+        pieces.into_iter().map(|piece| piece.into_iter().map(values).collect()).collect()
+    }
+
     /// Names at the ends of the lines that have no colour of their own, none upon another.
-    fn names(&self, plot: &Plot, window: &Window) -> Outcome {
+    fn names(&self, plot: &Plot, area: &Area) -> Outcome {
         let end = |series: &'_ Series| {
-            let places = series.points.iter().rev().map(|at| place(plot.backend_coord(&(at.x, at.y))));
-            Some((places.into_iter().find(|at| window.holds(*at))?.1, series.name.clone()))
+            let last = series.points.iter().rev().find(|at| self.shows(at.x, at.y))?;
+            Some((place(plot.backend_coord(&(last.x, last.y))).1, series.name.clone()))
         };
         let named = self.series.iter().filter(|series| series.style.labelled);
         let mut ends: Vec<(f64, String)> = named.filter_map(end).collect();
         ends.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (x, y) = plot.plotting_area().get_pixel_range();
-        let screen = plot.plotting_area().use_screen_coord();
+        let screen = area.use_screen_coord();
         let mut free = place((0, y.start)).1 - 10.0;
         for (y, name) in ends {
             let y = y.max(free);
@@ -287,9 +312,36 @@ mod tests {
             Item::Line { points, .. } => points.clone(),
             _ => Vec::new(),
         });
-        assert!(highest.map(|p| p.1).fold(f64::INFINITY, f64::min) >= top);
+        let highest = highest.map(|p| p.1).fold(f64::INFINITY, f64::min);
+        assert!((top..HEAD + 0.5).contains(&highest), "{highest}");
         let discs = drawing.items.iter().filter(|item| matches!(item, Item::Disc { .. })).count();
         assert_eq!(discs, 2 * 2 + 2 * 2, "a disc with its rim at one point of either series, and in the legend");
+    }
+
+    #[test]
+    fn a_line_keeps_its_slope_where_it_leaves_the_frame() {
+        let mut chart = chart(&[(1.0, 0.5), (5.0, 3.0), (6.0, f64::INFINITY)]);
+        let pieces = chart.pieces(&chart.series[0]);
+        let (from, to) = (pieces[0][0], pieces[0][1]);
+        let near = |(x, y): (f64, f64), (u, v): (f64, f64)| (x - u).abs() + (y - v).abs() < 1e-9;
+        assert!(pieces.len() == 1 && near(from, (1.0, 0.5)) && near(to, (1.8, 1.0)), "{pieces:?}");
+        chart.y = Axis::logarithmic("y, m", 0.1..1.0);
+        let (x, y) = chart.pieces(&chart.series[0])[0][1];
+        assert!(near((x, y), (1.0 + 4.0 * libm::log(2.0) / libm::log(6.0), 1.0)), "{x} {y}");
+    }
+
+    #[test]
+    fn an_interval_has_bars_where_it_ends_within_the_scale() {
+        let bars = |low: f64, high: f64| {
+            let mut chart = chart(&[(5.0, 0.5)]);
+            chart.series.truncate(1);
+            chart.series[0].points[0].interval = Some((low, high));
+            let drawing = sheet(&[chart], 1, (600.0, 400.0), &Paper::default());
+            let colour = Style::numbered(0).stroke.colour;
+            let of = |item: &&Item| matches!(item, Item::Line { stroke, .. } if stroke.colour == colour);
+            drawing.items.iter().filter(of).count()
+        };
+        assert_eq!([bars(0.4, 0.6), bars(0.4, 2.0), bars(-1.0, f64::INFINITY), bars(1.5, 2.0)], [3, 2, 1, 0]);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Elements that plotters has not: broken lines, intervals that end with their scale, and signs of every shape.
+//! Elements that plotters has not: broken lines, and signs of every shape.
 
 use plotters::element::{Drawable, PointCollection};
 use plotters_backend::BackendCoord;
@@ -8,9 +8,8 @@ use super::drawing::Stroke;
 use super::ink::Colour;
 use super::mark::Shape;
 
-/// Half the size of a sign, and of the ends of an interval.
+/// Half the size of a sign.
 pub(super) const SIGN: f64 = 6.5;
-const CAP: f64 = 4.0;
 
 /// A place by the axes of a plot.
 type At = (f64, f64);
@@ -21,13 +20,7 @@ pub struct Line {
     pub stroke: Stroke,
 }
 
-/// An upright line between two points: a bar ends it where the scale does not.
-pub struct Interval {
-    pub ends: [At; 2],
-    pub stroke: Stroke,
-}
-
-/// The sign of a point, if the point is shown.
+/// The sign of a point.
 pub struct Sign {
     pub at: At,
     pub shape: Shape,
@@ -40,15 +33,6 @@ impl<'a> PointCollection<'a, At> for &'a Line {
 
     fn point_iter(self) -> &'a [At] {
         &self.points
-    }
-}
-
-impl<'a> PointCollection<'a, At> for &'a Interval {
-    type Point = &'a At;
-    type IntoIter = &'a [At; 2];
-
-    fn point_iter(self) -> &'a [At; 2] {
-        &self.ends
     }
 }
 
@@ -68,27 +52,9 @@ impl Drawable<Canvas> for Line {
     }
 }
 
-impl Drawable<Canvas> for Interval {
-    fn draw<I: Iterator<Item = BackendCoord>>(&self, pos: I, canvas: &mut Canvas, _: (u32, u32)) -> Drawn {
-        let ends: Vec<BackendCoord> = pos.collect();
-        canvas.path(ends.iter().copied(), self.stroke);
-        for end in ends {
-            if canvas.shows(end) {
-                let (x, y) = place(end);
-                canvas.drawing.line([(x - CAP, y), (x + CAP, y)], self.stroke);
-            }
-        }
-        Ok(())
-    }
-}
-
 impl Drawable<Canvas> for Sign {
     fn draw<I: Iterator<Item = BackendCoord>>(&self, pos: I, canvas: &mut Canvas, _: (u32, u32)) -> Drawn {
-        for at in pos {
-            if canvas.shows(at) {
-                self.shape.draw(&mut canvas.drawing, place(at), SIGN, self.colour);
-            }
-        }
+        pos.for_each(|at| self.shape.draw(&mut canvas.drawing, place(at), SIGN, self.colour));
         Ok(())
     }
 }

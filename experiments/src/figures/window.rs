@@ -1,36 +1,31 @@
-//! A rectangle at which lines end.
+//! A rectangle at which lines end: plotters would bend what leads out of it.
 
 use std::ops::RangeInclusive;
 
 use super::drawing::Point;
 
-/// A rectangle in units.
+/// A rectangle, such as of shares of two axes.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Window {
+pub(super) struct Window {
     x: RangeInclusive<f64>,
     y: RangeInclusive<f64>,
 }
 
 impl Window {
-    /// Between two corners, upper left and lower right.
-    pub fn new((left, top): Point, (right, bottom): Point) -> Self {
-        Self { x: left..=right, y: top..=bottom }
+    /// Between two corners, the least and the most.
+    pub(super) fn new((left, low): Point, (right, high): Point) -> Self {
+        Self { x: left..=right, y: low..=high }
     }
 
-    /// Whether a point is inside, or on its border.
-    pub fn holds(&self, (x, y): Point) -> bool {
-        const NEAR: f64 = 0.5;
+    /// Whether a point is inside, or as good as on its border.
+    pub(super) fn holds(&self, (x, y): Point) -> bool {
+        const NEAR: f64 = 1e-3;
         let inside = |v: f64, side: &RangeInclusive<f64>| (side.start() - NEAR..=side.end() + NEAR).contains(&v);
         inside(x, &self.x) && inside(y, &self.y)
     }
 
-    /// The point inside that is nearest.
-    pub fn nearest(&self, (x, y): Point) -> Point {
-        (x.clamp(*self.x.start(), *self.x.end()), y.clamp(*self.y.start(), *self.y.end()))
-    }
-
     /// The part of a straight line that is inside (Liang and Barsky 1984).
-    fn clip(&self, from: Point, to: Point) -> Option<(Point, Point)> {
+    pub(super) fn clip(&self, from: Point, to: Point) -> Option<(Point, Point)> {
         let (dx, dy) = (to.0 - from.0, to.1 - from.1);
         let sides = [
             (-dx, from.0 - self.x.start()),
@@ -55,7 +50,7 @@ impl Window {
     }
 
     /// The pieces of a line that are inside.
-    pub fn pieces(&self, points: &[Point]) -> Vec<Vec<Point>> {
+    pub(super) fn pieces(&self, points: &[Point]) -> Vec<Vec<Point>> {
         let mut pieces: Vec<Vec<Point>> = Vec::new();
         for leg in points.windows(2) {
             let Some((from, to)) = self.clip(leg[0], leg[1]) else { continue };
