@@ -6,6 +6,7 @@ pub mod claims;
 pub mod condition;
 pub mod criteria;
 pub mod drives;
+pub mod estimate;
 pub mod faults;
 pub mod film;
 pub mod levels;

@@ -84,6 +84,28 @@ fn the_front_page_is_short() {
     }
 }
 
+/// Tables and pictures are lines of their own, whatever their length.
+#[test]
+fn no_line_of_the_guide_is_too_long() {
+    for page in pages("experiments/guide") {
+        for (number, line) in read(&page).lines().enumerate() {
+            let whole = line.starts_with('|') || line.starts_with("![") || line.chars().count() <= FRONT[1];
+            assert!(whole, "{}:{}: {} columns", page.display(), number + 1, line.chars().count());
+        }
+    }
+}
+
+/// What the guide shows of the example is what the example says, which is tested.
+#[test]
+fn the_sensor_of_the_guide_is_that_of_the_example() {
+    let page = read(&root().join("experiments/guide/own-sensor.md"));
+    let example = read(&root().join("crates/mapper/examples/own_sensor.rs"));
+    let lines: Vec<&str> = example.lines().map(str::trim).collect();
+    let code: Vec<&str> = page.lines().filter(|line| line.starts_with("    ")).map(str::trim).collect();
+    assert!(code.len() > 20, "{}", code.len());
+    code.iter().for_each(|line| assert!(lines.contains(line), "{line}"));
+}
+
 #[test]
 fn no_link_leads_nowhere() {
     let mut checked = 0;
@@ -204,5 +226,76 @@ fn the_range_cut_of_the_guide_is_that_of_the_committed_sweep() {
             assert_eq!(values.len(), 4);
             assert_eq!(cell, &format!("{mean:.3}"), "{own} {}", row[0]);
         }
+    }
+}
+
+/// The numbers in a text that stand in a column of the committed table of a sweep, as means over its rows.
+fn sweep_mean(sweep: &str, metric: &str, wanted: &[(&str, &str)]) -> f64 {
+    let path = root().join(format!("results/sweep-{sweep}/table.csv"));
+    let mut table = csv::Reader::from_path(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let heads = table.headers().expect("heads").clone();
+    let column = |name: &str| heads.iter().position(|head| head == name).unwrap_or_else(|| panic!("no column {name}"));
+    let (of, at) = (column(metric), wanted.iter().map(|(name, _)| column(name)).collect::<Vec<_>>());
+    let rows = table.records().map(|row| row.expect("a row"));
+    let rows = rows.filter(|row| at.iter().zip(wanted).all(|(at, (_, value))| &row[*at] == *value));
+    let values: Vec<f64> = rows.map(|row| row[of].parse().expect("a number")).collect();
+    assert!(!values.is_empty(), "{sweep}: {wanted:?}");
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// Cell size and correlation: log loss, and the geometric mean of the probability that free cells are free.
+#[test]
+fn the_cell_sizes_of_the_guide_are_those_of_the_committed_sweep() {
+    let page = read(&root().join("experiments/guide/sweep.md")).split_whitespace().collect::<Vec<_>>().join(" ");
+    let cells = ["0.025", "0.05", "0.1", "0.2"];
+    let mean = |law: &str, grid: &str, region: &str| {
+        let wanted = [("correlation_law", law), ("grid", grid), ("region", region), ("correlation", "0.871")];
+        sweep_mean("cell-size", "log_loss", &[&wanted[..], &[("mapper", "visibility")]].concat())
+    };
+    let free = |law: &str, grid: &str| format!("{:.3}", (-mean(law, grid, "visible")).exp());
+    let all = |of: &dyn Fn(&str) -> String| cells.map(of).join(", ");
+    assert!(page.contains(&all(&|grid| free("scaled", grid))), "{}", all(&|grid| free("scaled", grid)));
+    let loss = |grid: &str| format!("{:.3}", mean("scaled", grid, "observable"));
+    assert!(page.contains(&all(&loss)), "{}", all(&loss));
+    let fixed = format!("from {} to {}", free("fixed", cells[0]), free("fixed", cells[3]));
+    assert!(page.contains(&fixed), "{fixed}");
+}
+
+#[test]
+fn the_drives_of_the_guide_are_those_of_the_committed_room() {
+    let rows =
+        table(&read(&root().join("experiments/guide/drives.md")), "| mapper | reached | colliding | recall > 0.5");
+    let metrics = read(&root().join("results/room/metrics.csv"));
+    let value = |mapper: &str, region: &str, metric: &str| {
+        let start = format!("room,1,{mapper},c,{region},{metric},");
+        let line = metrics.lines().find(|line| line.starts_with(&start))?;
+        line[start.len()..].split(',').next()?.parse::<f64>().ok().map(|value| format!("{value:.3}"))
+    };
+    let mut checked = 0;
+    for row in rows {
+        // The room maps with four rules; those of the table that are not among them were measured beside it.
+        let columns = [("all", "reached"), ("all", "colliding"), ("all", "recall_50")];
+        let Some(expected) = columns.iter().map(|(region, metric)| value(name(&row[0]), region, metric)).collect()
+        else {
+            continue;
+        };
+        let expected: Vec<String> = expected;
+        assert_eq!(row[1..], expected, "{}", row[0]);
+        checked += 1;
+    }
+    assert!(checked >= 3, "{checked}");
+}
+
+#[test]
+fn the_density_of_the_guide_is_that_of_the_committed_sensor() {
+    let page = read(&root().join("experiments/guide/sensor.md"));
+    let mut density = csv::Reader::from_path(root().join("results/sensor/density.csv")).expect("committed");
+    let rows: Vec<csv::StringRecord> = density.records().map(|row| row.expect("a row")).collect();
+    let at = |disparity: f64| {
+        let row = rows.iter().find(|row| row[0].parse().is_ok_and(|read: f64| (read - disparity).abs() < 1e-9));
+        row.expect("a row")[1].parse::<f64>().expect("a number")
+    };
+    for number in [format!("{:.4} per px", at(10.0)), format!("{:.4} per px", at(40.0))] {
+        assert!(page.contains(&number), "{number}");
     }
 }

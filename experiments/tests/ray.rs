@@ -336,6 +336,42 @@ fn the_papers_rays_hold_what_it_claims_and_can_be_run_again_from_their_files() {
     }
 }
 
+/// `--svg`, `--dpi` and `--width`, which all commands with pictures share.
+#[test]
+fn pictures_for_print_are_as_wide_and_as_fine_as_asked_for() {
+    let place = place();
+    let path = |name: &str| place.path().join("o").join(name);
+    let size = || {
+        let bytes = fs::read(path("ray.png")).expect("there");
+        [16, 20].map(|at| u32::from_be_bytes(std::array::from_fn(|k| bytes[at + k])))
+    };
+    run(place.path(), 0, &["ray", "near", "--out", "o"]);
+    let [wide, high] = size();
+    run(place.path(), 0, &["ray", "near", "--out", "o", "--dpi", "400"]);
+    assert_eq!(size(), [2 * wide, 2 * high]);
+    run(place.path(), 0, &["ray", "near", "--out", "o", "--width", "85", "--dpi", "300", "--svg"]);
+    let [narrow, tall] = size();
+    // 85 mm at 300 px per inch; two charts below each other.
+    assert!(narrow.abs_diff(1004) <= 1 && tall > narrow, "{narrow} x {tall}");
+    let svg = fs::read_to_string(path("ray.svg")).expect("there");
+    assert!(svg.starts_with("<svg ") && svg.contains("width=\"84.9") && svg.contains("aria-label=\"visibility\""));
+    let record = fs::read_to_string(path("run.json")).expect("there");
+    assert!(record.contains("ray.svg"));
+    // What only the former run wrote goes.
+    run(place.path(), 0, &["ray", "near", "--out", "o"]);
+    assert!(!path("ray.svg").exists() && size() == [wide, high]);
+    for (option, value, bound) in [
+        ("--dpi", "49", "50..=1200"),
+        ("--dpi", "1201", "50..=1200"),
+        ("--width", "59", "from 60 to 1000"),
+        ("--width", "nan", "from 60 to 1000"),
+    ] {
+        let (_, err) = run(place.path(), 2, &["ray", "near", "--out", "n", option, value]);
+        assert!(err.contains(bound), "{err}");
+    }
+    assert!(!place.path().join("n").exists());
+}
+
 #[test]
 fn bad_input_is_one_line_with_its_place_and_leaves_nothing() {
     let place = place();

@@ -338,5 +338,6 @@ fn growth_has_a_time_for_every_size_of_every_mapper() {
         assert!(curve.exponent().is_some_and(f64::is_finite), "{curve:?}");
     }
     assert_eq!(growth::table(&curves).rows().len(), 2 * (2 + 2 + 2 + 3));
-    assert!(growth::draw(&curves).expect("drawn").starts_with(b"\x89PNG"));
+    let paper = experiments::figures::Paper::default();
+    assert!(paper.png(&growth::draw(&curves, &paper)).expect("drawn").starts_with(b"\x89PNG"));
 }

@@ -44,3 +44,11 @@ fn main() {
     });
     assert!(map.occupancy()[10] < 0.05 && map.occupancy()[30] > 0.3);
 }
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn it_does_what_the_guide_says() {
+        super::main();
+    }
+}

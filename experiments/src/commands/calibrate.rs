@@ -25,7 +25,7 @@ use crate::output::note;
 pub fn run(options: &CalibrateOptions) -> Result<(), Failure> {
     interruption::watch();
     threads::limit(options.threads.count)?;
-    let purpose = Purpose::new("calibrate", &[&options.file], outputs::FILES);
+    let purpose = Purpose::new("calibrate", &[&options.file], options.paper.files(&outputs::FILES));
     let staging = options.out.as_deref().map(|folder| Staging::open(folder, &purpose)).transpose()?;
     let calibration = match disparities::load(&options.file)? {
         Some(disparities) => disparities::calibrate(&disparities, options)?,

@@ -63,7 +63,7 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     let plan = Plan::new(options)?;
     let out = options.out.clone().unwrap_or_else(|| default_folder(&plan, options.quick));
     let reads: Vec<&Path> = options.families.iter().map(PathBuf::as_path).collect();
-    let mut staging = Staging::open(&out, &Purpose::new("compare", &reads, outputs::names(&plan)))?;
+    let mut staging = Staging::open(&out, &Purpose::new("compare", &reads, outputs::names(&plan, &options.paper)))?;
     threads::limit(options.threads.count)?;
     let record = outputs::record(&plan);
     let worlds = map_worlds(&plan, &out, &configuration(&plan, &record)?)?;
@@ -73,7 +73,7 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     let (viewer, _) = showcase::look(&plan)?;
     doing.next("drawing figures and writing the page");
     let rows = outputs::rows(&plan, &findings)?;
-    outputs::write(&mut staging, &plan, &findings, &rows, record, viewer)?;
+    outputs::write(&mut staging, &plan, &findings, &rows, record, viewer, &options.paper)?;
     staging.publish()?;
     drop(doing);
     Journal::clear(&out);

@@ -19,21 +19,27 @@ macro_rules! pages {
     ($($name:literal),* $(,)?) => { [$(($name, include_str!(concat!("../../guide/", $name, ".md")))),*] };
 }
 
-const PAGES: [(&str, &str); 17] = pages![
+const PAGES: [(&str, &str); 23] = pages![
     "introduction",
     "commands",
     "room",
     "compare",
     "drives",
     "ray",
+    "sensor",
     "scenes",
+    "families",
     "maps-and-plans",
+    "convert",
     "score",
     "own-mapper",
+    "own-sensor",
     "gate",
     "sweep",
     "logs",
+    "calibrate",
     "speed",
+    "figures",
     "reproducibility",
     "glossary",
     "developing",

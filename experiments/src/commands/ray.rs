@@ -23,6 +23,7 @@ use strict::nearest;
 
 use self::views::Digits;
 use crate::failure::Failure;
+use crate::figures::Paper;
 use crate::jobs::interruption;
 use crate::output::args::Format;
 use crate::output::folder::{Purpose, Staging};
@@ -45,7 +46,7 @@ pub fn run(options: &RayOptions) -> Result<(), Failure> {
     };
     let folder =
         options.out.clone().or_else(|| Some(Path::new("results").join(format!("ray-{}", case.as_ref()?.name))));
-    let purpose = Purpose::new("ray", &[&options.ray], FILES);
+    let purpose = Purpose::new("ray", &[&options.ray], options.paper.files(&FILES));
     let staging = folder.as_deref().map(|folder| Staging::open(folder, &purpose)).transpose()?;
     let answers = Answers::of(&ray);
     let curve = case.as_ref().filter(|case| case.name == "occluded").map(|_| certainty::curve()).unwrap_or_default();
@@ -54,8 +55,16 @@ pub fn run(options: &RayOptions) -> Result<(), Failure> {
         claims.extend(certainty::claims(&curve));
     }
     if let (Some(staging), Some(folder)) = (staging, &folder) {
-        Outputs { name: &name, case: case.as_ref(), ray: &ray, answers: &answers, curve: &curve, claims: &claims }
-            .write(staging)?;
+        Outputs {
+            name: &name,
+            case: case.as_ref(),
+            ray: &ray,
+            answers: &answers,
+            curve: &curve,
+            claims: &claims,
+            paper: &options.paper,
+        }
+        .write(staging)?;
         note(folder.join("ray.png").display());
     }
     match options.format {
@@ -99,23 +108,24 @@ struct Outputs<'a> {
     answers: &'a Answers,
     curve: &'a [certainty::Point],
     claims: &'a [Claim],
+    paper: &'a Paper,
 }
 
 impl Outputs<'_> {
     fn write(&self, mut staging: Staging) -> Result<(), Failure> {
-        let Self { name, case, ray, answers, .. } = self;
+        let Self { name, case, ray, answers, paper, .. } = self;
         let about = case.map_or_else(|| (*name).to_owned(), |case| format!("{}: {}", case.figure, case.about));
         let toml = file::text(ray, &about);
         staging.write("ray.toml", |out| out.write_all(toml.as_bytes()))?;
         let csv = views::csv(ray, answers, Digits::Six)?;
         staging.write("ray.csv", |out| out.write_all(&csv))?;
-        let picture = figures::answers(ray, answers, case.map_or(&[], Case::bands))?;
-        staging.write("ray.png", |out| out.write_all(&picture))?;
+        let picture = figures::answers(ray, answers, case.map_or(&[], Case::bands), paper);
+        paper.save(&mut staging, "ray.png", &picture)?;
         if !self.curve.is_empty() {
             let table = certainty::table(self.curve);
             table.save(&mut staging, "certainty.csv")?;
-            let picture = figures::certainty(self.curve, cases::UNCHANGED)?;
-            staging.write("certainty.png", |out| out.write_all(&picture))?;
+            let picture = figures::certainty(self.curve, cases::UNCHANGED, paper);
+            paper.save(&mut staging, "certainty.png", &picture)?;
         }
         let configuration = json!({
             "ray": name,

@@ -50,7 +50,7 @@ pub fn run(options: &RoomOptions) -> Result<(), Failure> {
     plan::claimable(&ground, options)?;
     warn(&ground.scene.warnings);
     warn(scene::enclosure(&ground.scene, &ground.world, &ground.drive).warning(&options.scene).as_slice());
-    let files = outputs::names(&ground, &mappers);
+    let files = outputs::names(&ground, &mappers, &options.paper);
     let mut staging = Staging::open(&out, &Purpose::new("room", &[&options.scene], files))?;
     let trials = trials(&ground, &seeds, &mappers, &setup, &frames)?;
     let stages = ground.stages(&trials[0]);
@@ -59,7 +59,8 @@ pub fn run(options: &RoomOptions) -> Result<(), Failure> {
     let claims: Vec<Claim> = claimed.flat_map(|region| claims::judge(&trials, &region.name)).collect();
     let record = Record::new("room", Parts::of(options, &ground, &mappers, &stages, &claims));
     let metrics = outputs::metrics(&ground, &trials, &stages);
-    outputs::write(&mut staging, &ground, &trials, &stages, &frames, &metrics, &record)?;
+    let outcome = outputs::Outcome { ground: &ground, trials: &trials, stages: &stages, frames: &frames };
+    outputs::write(&mut staging, outcome, &metrics, &record, &options.paper)?;
     staging.publish()?;
 
     metrics.print(options.format, || summary::text(&ground, &trials, &stages, &claims))?;

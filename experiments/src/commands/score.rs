@@ -60,7 +60,8 @@ pub fn run(options: &ScoreOptions) -> Result<(), Failure> {
         .chain(candidates.iter().flat_map(|candidate| &candidate.sources))
         .cloned()
         .collect();
-    let open = |out: &PathBuf| Staging::open(out, &outputs::purpose(&sources.iter().collect::<Vec<_>>()));
+    let open =
+        |out: &PathBuf| Staging::open(out, &outputs::purpose(&sources.iter().collect::<Vec<_>>(), &options.paper));
     let staging = options.out.as_ref().map(open).transpose()?;
     let drives = Drives::of(&truth, options);
     let judged = candidates.into_par_iter().map(|candidate| {

@@ -27,11 +27,11 @@ pub fn run(options: &SensorOptions) -> Result<(), Failure> {
     let scene = Scene::load(&options.scene, None)?;
     let camera = View::of(&scene, options.range);
     let out = options.out.clone().unwrap_or_else(|| folder::for_scene(Path::new("results/sensor"), &options.scene));
-    let purpose = Purpose::new("sensor", &[&options.scene], outputs::FILES);
+    let purpose = Purpose::new("sensor", &[&options.scene], options.paper.files(&outputs::FILES));
     let mut staging = Staging::open(&out, &purpose)?;
     let columns = camera.columns();
     let claims = camera.claims(&columns);
-    camera.write(&mut staging, &options.scene.display().to_string(), &claims)?;
+    camera.write(&mut staging, &options.scene.display().to_string(), &claims, &options.paper)?;
     staging.publish()?;
     note(out.join("kernel.png").display());
 

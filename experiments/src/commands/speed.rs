@@ -60,7 +60,7 @@ pub fn run(options: &SpeedOptions) -> Result<(), Failure> {
     };
     let (setup, conditions) = conditions(options, &set)?;
     let reads: Vec<&Path> = options.scans.iter().map(PathBuf::as_path).collect();
-    let purpose = Purpose::new("speed", &reads, outputs::FILES);
+    let purpose = Purpose::new("speed", &reads, options.paper.files(&outputs::FILES));
     let staging = options.out.as_deref().map(|folder| Staging::open(folder, &purpose)).transpose()?;
     threads::limit(Some(1))?;
     if cfg!(debug_assertions) {
@@ -78,7 +78,7 @@ pub fn run(options: &SpeedOptions) -> Result<(), Failure> {
     progress.finish();
 
     if let (Some(staging), Some(folder)) = (staging, &options.out) {
-        outputs::write(staging, &speeds, &conditions, curves.as_deref())?;
+        outputs::write(staging, &speeds, &conditions, curves.as_deref(), &options.paper)?;
         note(folder.join("speed.csv").display());
     }
     for speed in &speeds {

@@ -30,6 +30,7 @@ use self::manifest::{Manifest, Replace};
 use self::options::{Part, PlanOptions, RunOptions, StatusOptions};
 use self::shard::State;
 use crate::failure::Failure;
+use crate::figures::Paper;
 use crate::jobs::interruption;
 use crate::jobs::threads;
 use crate::output::folder;
@@ -49,7 +50,7 @@ pub fn run(options: &SweepOptions) -> Result<(), Failure> {
         (Some(Part::Status(options)), _) => status(options),
         (Some(Part::Missing(options)), _) => missing(&Manifest::open(&options.folder)?),
         (Some(Part::Merge(options)), _) => outcome::merge(options),
-        (Some(Part::Plot(options)), _) => outcome::plot(&options.folder),
+        (Some(Part::Plot(options)), _) => outcome::plot(options),
         (Some(Part::Slurm(options)), _) => slurm::run(options),
         (None, Some(file)) => all(file, options),
         (None, None) => Err(Failure::BadInput("sweep: name a sweep file; see sweep --help".to_owned())),
@@ -65,7 +66,7 @@ fn default_folder(file: &Path) -> PathBuf {
 fn plan(options: &PlanOptions) -> Result<(), Failure> {
     let sweep = file::load(&options.file)?.with(&options.programs)?;
     let folder = options.out.clone().unwrap_or_else(|| default_folder(&options.file));
-    folder::check(&folder, &outcome::purpose(&sweep.mappers))?;
+    folder::check(&folder, &outcome::purpose(&sweep.mappers, &Paper::default()))?;
     let manifest = manifest::plan(
         &sweep,
         &folder,
@@ -164,7 +165,7 @@ fn missing(manifest: &Manifest) -> Result<(), Failure> {
 fn all(file: &Path, options: &SweepOptions) -> Result<(), Failure> {
     let sweep = file::load(file)?.with(&options.programs)?;
     let folder = options.out.clone().unwrap_or_else(|| default_folder(file));
-    folder::check(&folder, &outcome::purpose(&sweep.mappers))?;
+    folder::check(&folder, &outcome::purpose(&sweep.mappers, &options.paper))?;
     let former = Manifest::open(&folder).ok();
     let manifest = manifest::plan(
         &sweep,
@@ -179,7 +180,7 @@ fn all(file: &Path, options: &SweepOptions) -> Result<(), Failure> {
         ));
     }
     work(&manifest, None, options.threads.count)?;
-    outcome::conclude(&manifest, Some(&sweep))
+    outcome::conclude(&manifest, Some(&sweep), &options.paper)
 }
 
 fn counted(count: u64, what: &str) -> String {

@@ -41,7 +41,7 @@ pub fn run(options: &TuneOptions) -> Result<(), Failure> {
     let families = families(&options.families)?;
     let mappers = distinct(&options.mappers)?;
     let reads: Vec<&Path> = options.families.iter().map(PathBuf::as_path).collect();
-    let mut staging = Staging::open(&options.out, &Purpose::new("tune", &reads, outputs::FILES))?;
+    let mut staging = Staging::open(&options.out, &Purpose::new("tune", &reads, options.paper.files(&outputs::FILES)))?;
     threads::limit(options.threads.count)?;
 
     let grids: Vec<Vec<Candidate>> = mappers.iter().map(|tuned| tuned.candidates()).collect();

@@ -1,65 +1,103 @@
-//! How the points of a series are drawn.
+//! Signs at the points of a line: filled, and told apart by their shape alone.
 
-use plotters::prelude::*;
+use super::drawing::{Drawing, Point};
+use super::ink::Colour;
 
-/// How a series is drawn.
+/// The shape of a sign.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Mark {
-    /// A line.
-    Line,
-    /// A wide line that other series are drawn upon.
-    Ground,
-    /// A line of dashes.
-    Dashes,
-    /// "+" at the points.
-    Plus,
-    /// "o" at the points.
-    Ring,
-    /// "x" at the points.
-    Cross,
-    /// Triangles at the points.
+pub enum Shape {
+    Circle,
+    Square,
+    Diamond,
     Triangle,
+    /// A triangle on its head.
+    Wedge,
+    Plus,
+    Cross,
+    Star,
+    Hourglass,
+    /// A triangle that lies to the right.
+    Flag,
 }
 
-/// Half the size of a mark, px.
-const REACH: i32 = 5;
+impl Shape {
+    /// All of them, the most unlike ones first.
+    pub const ALL: [Self; 10] = [
+        Self::Circle,
+        Self::Square,
+        Self::Triangle,
+        Self::Cross,
+        Self::Diamond,
+        Self::Wedge,
+        Self::Plus,
+        Self::Star,
+        Self::Flag,
+        Self::Hourglass,
+    ];
 
-impl Mark {
-    /// The line through the points; of marks, a thin one that leads the eye.
-    pub(super) fn line(self, colour: RGBColor) -> ShapeStyle {
-        match self {
-            Self::Ground => colour.stroke_width(5),
-            Self::Line | Self::Dashes => colour.stroke_width(2),
-            _ => colour.mix(0.5).stroke_width(1),
+    /// Draws the sign, in a rim of white that parts it from what is below.
+    pub fn draw(self, drawing: &mut Drawing, at: Point, reach: f64, colour: Colour) {
+        for (reach, colour) in [(reach + 1.6, Colour::WHITE), (reach, colour)] {
+            match self {
+                Self::Circle => drawing.disc(at, 0.92 * reach, colour),
+                _ => drawing.area(self.corners().map(|(x, y)| (at.0 + x * reach, at.1 + y * reach)), colour),
+            }
         }
     }
 
-    /// Whether there is anything at the points.
-    pub(super) fn at_points(self) -> bool {
-        !matches!(self, Self::Line | Self::Ground | Self::Dashes)
-    }
-
-    /// The strokes of the mark about its point, px.
-    pub(super) fn strokes(self, colour: RGBColor) -> [PathElement<(i32, i32)>; 2] {
-        let path = |points: &[(i32, i32)]| {
-            let style = colour.stroke_width(2);
-            let at = points.iter().map(|(x, y)| (x * REACH, y * REACH));
-            PathElement::new(at.collect::<Vec<_>>(), style)
+    /// Corners about the middle, of shapes of about the same size.
+    fn corners(self) -> impl Iterator<Item = Point> {
+        let wheel = |radii: &'static [f64], first: f64| -> Vec<Point> {
+            let corner = |k: usize| {
+                let (sin, cos) = libm::sincos(first + std::f64::consts::TAU * k as f64 / radii.len() as f64);
+                (radii[k] * cos, radii[k] * sin)
+            };
+            (0..radii.len()).map(corner).collect()
         };
-        let none = || path(&[(0, 0)]);
-        match self {
-            Self::Plus => [path(&[(-1, 0), (1, 0)]), path(&[(0, -1), (0, 1)])],
-            Self::Cross => [path(&[(-1, -1), (1, 1)]), path(&[(-1, 1), (1, -1)])],
-            Self::Triangle => [path(&[(-1, 1), (0, -1), (1, 1), (-1, 1)]), none()],
-            Self::Line | Self::Ground | Self::Dashes | Self::Ring => [none(), none()],
-        }
+        let up = -0.25 * std::f64::consts::TAU;
+        let bars = |turned: bool| -> Vec<Point> {
+            const ARM: f64 = 0.42;
+            let quarter = [(ARM, -ARM), (ARM, -1.1), (-ARM, -1.1)];
+            let turn = |(x, y): Point, times: usize| (0..times).fold((x, y), |(x, y), _| (y, -x));
+            let corners = (0..4).flat_map(|times| quarter.map(|corner| turn(corner, times)));
+            let half = std::f64::consts::FRAC_1_SQRT_2;
+            corners.map(|(x, y)| if turned { ((x - y) * half, (x + y) * half) } else { (x, y) }).collect()
+        };
+        let corners = match self {
+            Self::Circle => wheel(&[1.0; 16], 0.0),
+            Self::Square => vec![(-0.84, -0.84), (0.84, -0.84), (0.84, 0.84), (-0.84, 0.84)],
+            Self::Diamond => wheel(&[1.18, 1.18, 1.18, 1.18], 0.0),
+            Self::Triangle => wheel(&[1.25; 3], up),
+            Self::Wedge => wheel(&[1.25; 3], -up),
+            Self::Flag => wheel(&[1.25; 3], 0.0),
+            Self::Hourglass => vec![(-0.95, -1.0), (0.95, -1.0), (0.2, 0.0), (0.95, 1.0), (-0.95, 1.0), (-0.2, 0.0)],
+            Self::Star => wheel(&[1.35, 0.55, 1.35, 0.55, 1.35, 0.55, 1.35, 0.55, 1.35, 0.55], up),
+            Self::Plus => bars(false),
+            Self::Cross => bars(true),
+        };
+        corners.into_iter()
     }
+}
 
-    /// The ring of the mark about the point at `at`, px; of other marks, nothing to be seen.
-    pub(super) fn ring(self, at: (i32, i32), colour: RGBColor) -> Circle<(i32, i32), i32> {
-        match self {
-            Self::Ring => Circle::new(at, REACH, colour.stroke_width(2)),
-            _ => Circle::new(at, 0, TRANSPARENT),
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::figures::raster;
+
+    #[test]
+    fn every_shape_covers_another_part_of_its_square() {
+        let drawn = Shape::ALL.map(|shape| {
+            let mut drawing = Drawing::new(40.0, 40.0);
+            shape.draw(&mut drawing, (20.0, 20.0), 12.0, Colour::BLACK);
+            raster::pixels(&drawing, 1.0).expect("drawn").colours
+        });
+        for (k, one) in drawn.iter().enumerate() {
+            let dark = one.iter().filter(|colour| colour.0 < 128).count();
+            assert!((170..520).contains(&dark), "{:?}: {dark}", Shape::ALL[k]);
+            for (other, shape) in drawn[..k].iter().zip(Shape::ALL) {
+                let differ = one.iter().zip(other).filter(|(a, b)| a.0.abs_diff(b.0) > 128).count();
+                assert!(differ > 50, "{:?} and {shape:?} differ in {differ} pixels", Shape::ALL[k]);
+            }
         }
     }
 }

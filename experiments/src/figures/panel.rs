@@ -1,76 +1,83 @@
-//! A map on whole pixels, with marks in metres.
+//! A map in a rectangle, with marks in metres.
 
 use ::scene::Region;
 use grid::GridSpec;
-use plotters::prelude::*;
 
-use super::Area;
-use super::ink::{self, FAINT, REGION};
-use crate::failure::Failure;
+use super::drawing::{Anchor, Drawing, Point};
+use super::ink::{Colour, FAINT, LABEL, REGION};
+use super::paper::Paper;
 
-/// A rectangle of cells, drawn at `at` with so many pixels to a cell's side, or so many cells to a pixel.
+/// A rectangle of cells, drawn at `at` with so many units to a cell's side, or so many cells to a square.
 #[derive(Debug, Clone, Copy)]
 pub struct Panel {
     pub spec: GridSpec,
     /// First column and row, and one past the last.
     columns: (usize, usize),
     rows: (usize, usize),
-    /// Pixels per cell.
-    pixels: usize,
-    /// Cells per pixel, 1 unless the map is large.
+    /// Units per square.
+    side: f64,
+    /// Cells per square along each side, 1 unless the map is large.
     cells: usize,
-    /// Upper left pixel.
-    at: (i32, i32),
+    /// Upper left corner.
+    at: Point,
 }
 
 impl Panel {
-    /// The whole grid, at most about `width` pixels wide and half as much again high.
-    pub fn whole(spec: GridSpec, width: usize) -> Self {
-        Self::part(spec, (0, spec.width), (0, spec.height), width)
+    /// The whole grid, at most `width` wide and half as much again high.
+    pub fn whole(spec: GridSpec, width: f64, paper: &Paper) -> Self {
+        Self::part(spec, (0, spec.width), (0, spec.height), width, paper)
     }
 
     /// The cells around a rectangle (m), of the same size at most.
-    pub fn around(spec: GridSpec, [min, max]: [[f64; 2]; 2], width: usize) -> Self {
+    pub fn around(spec: GridSpec, [min, max]: [[f64; 2]; 2], width: f64, paper: &Paper) -> Self {
         let range = |k: usize, limit: usize| {
             let cell = |v: f64| ((v - spec.origin_m[k]) / spec.cell_m).max(0.0) as usize;
             (cell(min[k]).min(limit - 1), (cell(max[k]) + 1).min(limit))
         };
-        Self::part(spec, range(0, spec.width), range(1, spec.height), width)
+        Self::part(spec, range(0, spec.width), range(1, spec.height), width, paper)
     }
 
-    fn part(spec: GridSpec, columns: (usize, usize), rows: (usize, usize), width: usize) -> Self {
+    fn part(spec: GridSpec, columns: (usize, usize), rows: (usize, usize), width: f64, paper: &Paper) -> Self {
         // A tall map is bound by its height, so that no scene makes a picture without end.
-        let tallest = width + width / 2;
-        let (across, up) = (columns.1 - columns.0, rows.1 - rows.0);
-        let pixels = (width / across).min(tallest / up).max(1);
-        let cells = across.div_ceil(width).max(up.div_ceil(tallest)).max(1);
-        Self { spec, columns, rows, pixels, cells, at: (0, 0) }
+        let tallest = 1.5 * width;
+        let (across, up) = ((columns.1 - columns.0) as f64, (rows.1 - rows.0) as f64);
+        let cells = (across / width).max(up / tallest).ceil().max(1.0);
+        let fits = (width / (across / cells).ceil()).min(tallest / (up / cells).ceil());
+        // Cells of whole pixels are all of one size; a width that was asked for matters more.
+        let side = if paper.width_mm.is_none() { fits.floor().max(1.0) } else { fits };
+        Self { spec, columns, rows, side, cells: cells as usize, at: (0.0, 0.0) }
     }
 
     /// The same panel with its upper left corner at another place.
-    pub fn at(self, x: u32, y: u32) -> Self {
-        Self { at: (x as i32, y as i32), ..self }
+    pub fn at(self, x: f64, y: f64) -> Self {
+        Self { at: (x, y), ..self }
     }
 
-    /// Width and height, px.
-    pub fn size(&self) -> (u32, u32) {
-        let pixels = |(from, to): (usize, usize)| ((to - from).div_ceil(self.cells) * self.pixels) as u32;
-        (pixels(self.columns), pixels(self.rows))
+    /// Squares along either side.
+    fn squares(&self) -> (usize, usize) {
+        let count = |(from, to): (usize, usize)| (to - from).div_ceil(self.cells);
+        (count(self.columns), count(self.rows))
     }
 
-    /// The pixel at a point (m).
-    pub fn pixel(&self, [x, y]: [f64; 2]) -> (i32, i32) {
-        let scale = self.pixels as f64 / self.cells as f64;
+    /// Width and height.
+    pub fn size(&self) -> (f64, f64) {
+        let (across, up) = self.squares();
+        (across as f64 * self.side, up as f64 * self.side)
+    }
+
+    /// Where a point (m) is.
+    pub fn place(&self, [x, y]: [f64; 2]) -> Point {
+        let scale = self.side / self.cells as f64;
         let column = (x - self.spec.origin_m[0]) / self.spec.cell_m - self.columns.0 as f64;
         let row = self.rows.1 as f64 - (y - self.spec.origin_m[1]) / self.spec.cell_m;
-        (self.at.0 + (column * scale).round() as i32, self.at.1 + (row * scale).round() as i32)
+        (self.at.0 + column * scale, self.at.1 + row * scale)
     }
 
     /// Whether a point (m) is in the picture.
     pub fn holds(&self, point: [f64; 2]) -> bool {
-        let (x, y) = self.pixel(point);
+        let (x, y) = self.place(point);
         let (width, height) = self.size();
-        (self.at.0..self.at.0 + width as i32).contains(&x) && (self.at.1..self.at.1 + height as i32).contains(&y)
+        (self.at.0..self.at.0 + width).contains(&x) && (self.at.1..self.at.1 + height).contains(&y)
     }
 
     /// Whether a whole region is in the picture.
@@ -78,28 +85,24 @@ impl Panel {
         region.area.extent_m().into_iter().all(|corner| self.holds(corner))
     }
 
-    /// Pixels to a metre.
+    /// Units to a metre.
     pub fn scale(&self) -> f64 {
-        self.pixels as f64 / (self.cells as f64 * self.spec.cell_m)
+        self.side / (self.cells as f64 * self.spec.cell_m)
     }
 
-    /// Fills every cell, and draws a frame. Where several cells share a pixel the darkest shows.
-    pub fn fill(&self, area: &Area, colour: impl Fn(usize) -> RGBColor) -> Result<(), Failure> {
+    /// Fills every cell, and draws a frame. Where several cells share a square the darkest shows.
+    pub fn fill(&self, drawing: &mut Drawing, colour: impl Fn(usize) -> Colour) {
+        let (across, up) = self.squares();
+        let squares = (0..up).flat_map(|row| (0..across).map(move |column| (column, row)));
+        let colours = squares.map(|(column, row)| self.darkest(column, row, &colour)).collect();
+        drawing.cells(self.at, self.size(), across, colours);
         let (width, height) = self.size();
-        for y in 0..height as usize {
-            for x in 0..width as usize {
-                let shade = self.darkest(x, y, &colour);
-                let at = (self.at.0 + x as i32, self.at.1 + y as i32);
-                area.draw_pixel(at, &shade).map_err(Failure::internal)?;
-            }
-        }
-        let corners = [(self.at.0 - 1, self.at.1 - 1), (self.at.0 + width as i32, self.at.1 + height as i32)];
-        area.draw(&Rectangle::new(corners, FAINT)).map_err(Failure::internal)
+        drawing.frame(self.at, (self.at.0 + width, self.at.1 + height), FAINT.stroke(1.0));
     }
 
-    fn darkest(&self, x: usize, y: usize, colour: impl Fn(usize) -> RGBColor) -> RGBColor {
-        let first = (self.columns.0 + x / self.pixels * self.cells, y / self.pixels * self.cells);
-        let mut darkest = WHITE;
+    fn darkest(&self, column: usize, row: usize, colour: impl Fn(usize) -> Colour) -> Colour {
+        let first = (self.columns.0 + column * self.cells, row * self.cells);
+        let mut darkest = Colour::WHITE;
         for down in first.1..(first.1 + self.cells).min(self.rows.1 - self.rows.0) {
             for column in first.0..(first.0 + self.cells).min(self.columns.1) {
                 let shade = colour(self.spec.index(column, self.rows.1 - 1 - down));
@@ -111,46 +114,37 @@ impl Panel {
         darkest
     }
 
-    /// Outlines a region, with its name beside it if asked for.
-    pub fn outline(&self, area: &Area, region: &Region, named: bool) -> Result<(), Failure> {
+    /// Outlines a region, with its name beside it.
+    pub fn outline(&self, drawing: &mut Drawing, region: &Region) {
         let [_, max] = region.area.extent_m();
-        let style = REGION.stroke_width(2);
+        let stroke = REGION.stroke(2.5);
         match region.area {
             ::scene::Area::Disc { center_m: [x, y], radius_m } => {
                 let points = (0..=72).map(|i| {
                     let (sin, cos) = libm::sincos(f64::from(i) * std::f64::consts::TAU / 72.0);
-                    self.pixel([x + radius_m * cos, y + radius_m * sin])
+                    self.place([x + radius_m * cos, y + radius_m * sin])
                 });
-                area.draw(&PathElement::new(points.collect::<Vec<_>>(), style)).map_err(Failure::internal)?;
+                drawing.line(points, stroke);
             }
             ::scene::Area::Rectangle { min_m, max_m } => {
-                let corners = [self.pixel(min_m), self.pixel(max_m)];
-                area.draw(&Rectangle::new(corners, style)).map_err(Failure::internal)?;
+                drawing.frame(self.place(min_m), self.place(max_m), stroke);
             }
         }
-        if named {
-            let (x, y) = self.pixel([max[0], max[1]]);
-            let style = ink::letters(ink::TITLE, &REGION);
-            area.draw(&Text::new(region.name.clone(), (x + 2, y - 12), style)).map_err(Failure::internal)?;
-        }
-        Ok(())
+        let (x, y) = self.place([max[0], max[1]]);
+        drawing.text(&region.name, (x + 4.0, y - 4.0), LABEL, REGION, Anchor::Start);
     }
 
-    /// A line through points (m). Leg by leg: a line that turns back on itself would lose its width.
-    pub fn path(&self, area: &Area, points: &[[f64; 2]], colour: RGBColor) -> Result<(), Failure> {
-        points.windows(2).try_for_each(|leg| {
-            let ends: Vec<_> = leg.iter().map(|&point| self.pixel(point)).collect();
-            area.draw(&PathElement::new(ends, colour.stroke_width(3))).map_err(Failure::internal)
-        })
+    /// A line through points (m).
+    pub fn path(&self, drawing: &mut Drawing, points: &[[f64; 2]], colour: Colour) {
+        drawing.line(points.iter().map(|&point| self.place(point)), colour.stroke(3.0));
     }
 
     /// The robot: a disc with a line where it looks.
-    pub fn robot(&self, area: &Area, pose: &sensor::Pose, radius_m: f64, colour: RGBColor) -> Result<(), Failure> {
-        let at = self.pixel(pose.position_m());
-        let radius = (radius_m * self.scale()).max(3.0);
-        area.draw(&Circle::new(at, radius as i32, colour.filled())).map_err(Failure::internal)?;
+    pub fn robot(&self, drawing: &mut Drawing, pose: &sensor::Pose, radius_m: f64, colour: Colour) {
+        let at = self.place(pose.position_m());
+        let radius = (radius_m * self.scale()).max(4.0);
+        drawing.disc(at, radius, colour);
         let [x, y] = pose.direction(0.0);
-        let tip = (at.0 + (2.2 * radius * x) as i32, at.1 - (2.2 * radius * y) as i32);
-        area.draw(&PathElement::new(vec![at, tip], colour.stroke_width(2))).map_err(Failure::internal)
+        drawing.line([at, (at.0 + 2.2 * radius * x, at.1 - 2.2 * radius * y)], colour.stroke(2.5));
     }
 }

@@ -1,78 +1,69 @@
 //! Error against what is known of a cell: the range from which it was seen best, and the number of looks at it.
 
-use std::ops::Range;
-
-use plotters::prelude::*;
 use score::{LOOK_EDGES, RANGE_EDGES_M};
 
-use super::chart::{self, Axis, Chart, Mark, Series};
-use crate::failure::Failure;
+use super::axis::short;
+use super::chart::{At, Axis, Chart, Series, sheet};
+use super::drawing::Drawing;
+use super::paper::Paper;
+use super::style::Style;
+use crate::worlds::estimate::Estimate;
 
 /// What the picture shows.
-pub const CAPTION: &str =
-    "Log loss against the range from which a cell was seen best, and against the number of rays that looked at it.";
+pub const CAPTION: &str = "Log loss against the range from which a cell was seen best, and against the number of rays that looked at \
+    it; bars are 95 % intervals over worlds. The last bin is open, and stands apart.";
 
 /// The errors of one map, or of several pooled.
 pub struct Line {
     /// Name in the legend.
     pub name: String,
-    /// Its colour.
-    pub colour: RGBColor,
-    /// Its line.
-    pub mark: Mark,
+    /// Its colour and shape.
+    pub style: Style,
     /// Log loss, nats per cell, in every bin of [`RANGE_EDGES_M`] and of [`LOOK_EDGES`]; none of an empty one.
-    pub losses: [Vec<Option<f64>>; 2],
+    pub losses: [Vec<Option<Estimate>>; 2],
 }
 
-/// How much the charts show.
-pub struct Bounds {
-    /// Ranges up to here, m.
-    pub range_m: f64,
-    /// Losses, nats per cell; those beyond lie on the border.
-    pub losses: Range<f64>,
-    /// Size of a chart, px.
-    pub size: (u32, u32),
-}
+/// Size of a chart.
+const SIZE: (f64, f64) = (700.0, 600.0);
 
-/// A chart for either covariate.
-///
-/// # Errors
-/// A drawing that fails.
-pub fn draw(lines: &[Line], bounds: &Bounds) -> Result<Vec<u8>, Failure> {
-    let covariates: [(&str, &[f64], Axis, SeriesLabelPosition); 2] = [
+/// Losses below this are as good as none: an axis goes no further down.
+const LEAST: f64 = 1e-3;
+
+/// A chart for either covariate, with ranges up to `range_m`.
+pub fn draw(lines: &[Line], range_m: f64, paper: &Paper) -> Drawing {
+    let [nearest, looks] = [range_m.max(RANGE_EDGES_M[1]), 1.0];
+    let covariates: [(&str, &[f64], Axis); 2] = [
         (
             "Error against range",
             &RANGE_EDGES_M,
-            Axis::linear("range from which a cell was seen best, m", 0.0..bounds.range_m),
-            SeriesLabelPosition::LowerRight,
+            Axis::logarithmic("range from which a cell was seen best, m", 0.1..nearest.min(RANGE_EDGES_M[9])),
         ),
-        (
-            "Error against looks",
-            &LOOK_EDGES,
-            Axis::logarithmic("rays that looked at a cell", 1.0..1000.0),
-            SeriesLabelPosition::LowerLeft,
-        ),
+        ("Error against looks", &LOOK_EDGES, Axis::logarithmic("rays that looked at a cell", looks..LOOK_EDGES[10])),
     ];
-    let charts = covariates.into_iter().enumerate().map(|(covariate, (title, edges, x, legend))| {
+    let losses = || lines.iter().flat_map(|line| line.losses.iter().flatten().flatten());
+    let least = losses().map(|loss| loss.value).filter(|v| *v > 0.0).fold(1.0, f64::min).max(LEAST);
+    let most = losses().map(|loss| loss.value).fold(least, f64::max);
+    let charts = covariates.into_iter().enumerate().map(|(covariate, (title, edges, mut x))| {
+        let last = edges[edges.len() - 2];
+        let open = lines.iter().any(|line| line.losses[covariate].get(edges.len() - 2).is_some_and(Option::is_some));
+        if open {
+            x.apart = Some((last, format!("≥ {}", short(last))));
+        }
         let series = |line: &Line| {
             let bins = edges.windows(2).zip(&line.losses[covariate]);
-            let points = bins.map(|(edge, loss)| (middle(edge, &x), *loss)).collect();
-            Series { name: line.name.clone(), points, mark: line.mark, colour: line.colour }
+            let at = |(edge, loss): (&[f64], &Option<Estimate>)| {
+                let loss = (*loss)?;
+                Some(At { x: middle(edge), y: loss.value, interval: loss.on_logarithm().interval })
+            };
+            Series { name: line.name.clone(), points: bins.filter_map(at).collect(), style: line.style }
         };
-        Chart {
-            title: title.to_owned(),
-            y: Axis::logarithmic("log loss, nats/cell", bounds.losses.clone()),
-            bands: Vec::new(),
-            series: lines.iter().map(series).collect(),
-            x,
-            legend,
-        }
+        let y = Axis::logarithmic("log loss, nats/cell", 0.8 * least..1.25 * most);
+        Chart::new(title, x.clone(), y, lines.iter().map(series).collect())
     });
-    chart::draw(&charts.collect::<Vec<_>>(), bounds.size)
+    sheet(&charts.collect::<Vec<_>>(), 2, SIZE, paper)
 }
 
-/// Where the point of a bin is drawn; an open bin is drawn as wide as the one before it would go on.
-fn middle(edge: &[f64], axis: &Axis) -> f64 {
-    let to = if edge[1].is_finite() { edge[1] } else { (1.5 * edge[0]).min(axis.range.end) };
-    if axis.logarithmic { libm::sqrt(edge[0].max(0.5) * to) } else { 0.5 * (edge[0] + to) }
+/// Where the point of a bin is drawn: in its middle; an open bin is where it begins.
+fn middle(edge: &[f64]) -> f64 {
+    if edge[1].is_finite() { 0.5 * (edge[0] + edge[1]) } else { edge[0] }
 }

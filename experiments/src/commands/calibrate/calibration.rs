@@ -1,6 +1,7 @@
 //! What a calibration is.
 
 use super::search::Fit;
+use crate::figures::Drawing;
 
 /// What was fitted to what.
 pub(super) struct Calibration {
@@ -12,7 +13,7 @@ pub(super) struct Calibration {
     pub(super) readings: u64,
     pub(super) fit: Fit,
     /// The picture of the fit against the readings, if there is one.
-    pub(super) picture: Option<Vec<u8>>,
+    pub(super) picture: Option<Drawing>,
     /// What is to be known besides.
     pub(super) notes: Vec<String>,
     /// How to use what was found, where something is identified.

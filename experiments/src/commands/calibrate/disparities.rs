@@ -150,7 +150,7 @@ pub(super) fn calibrate(table: &Table, options: &CalibrateOptions) -> Result<Cal
     let [correct, sigma, offset] = [0, 1, 2].map(|k| fit.found[k].value);
     let errors: Vec<f64> = used.iter().map(|m| m.read_px - m.true_px).collect();
     let density = |error: f64| correct * gaussian(error - offset, sigma) + (1.0 - correct) / most;
-    let picture = figures::calibration::draw(&errors, sigma, density)?;
+    let picture = figures::calibration::draw(&errors, sigma, density, &options.paper);
     let kind = if options.consistent { "disparities that passed a left-right check" } else { "disparities" };
     let about = format!("{} {kind} of {}, up to {most} px", used.len(), outputs::name(&options.file));
     let centred: Vec<f64> = errors.iter().map(|error| error - offset).collect();

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use crate::figures::Paper;
 use crate::output::args::{FormatOption, Given, ThreadsOption, count, positive};
 use crate::worlds::reading::FanArgs;
 
@@ -41,6 +42,9 @@ pub struct CalibrateOptions {
     /// Folder for the table, the picture and the record, written whole or not at all
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// How pictures are made
+    #[command(flatten)]
+    pub paper: Paper,
     /// How the table is printed
     #[command(flatten)]
     pub print: FormatOption,

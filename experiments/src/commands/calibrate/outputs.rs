@@ -1,7 +1,6 @@
 //! What `calibrate` writes and prints.
 
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::Path;
 
 use serde_json::json;
@@ -66,7 +65,7 @@ pub(super) fn write(
     );
     profile.save(&mut staging, "profile.csv")?;
     if let Some(picture) = &calibration.picture {
-        staging.write("fit.png", |out| out.write_all(picture))?;
+        options.paper.save(&mut staging, "fit.png", picture)?;
     }
     let configuration = json!({
         "file": name(&options.file),

@@ -14,6 +14,7 @@ use super::plan::Plan;
 use super::rows::{self, Rows};
 use super::{document, outputs, showcase, tables};
 use crate::failure::Failure;
+use crate::figures::Paper;
 use crate::output::args::{CutOption, Format, ThreadsOption};
 use crate::output::ledger::RECORD;
 use crate::page::{self, Folder};
@@ -92,6 +93,7 @@ fn plan(folder: &Folder, made: Configuration) -> Result<Plan, Failure> {
         drives: made.drives,
         cut: CutOption { max_range_m: made.max_range_m },
         out: None,
+        paper: Paper::default(),
         format: Format::Text,
         threads: ThreadsOption::default(),
     };

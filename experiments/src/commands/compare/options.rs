@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use crate::figures::Paper;
 use crate::output::args::{CutOption, Format, PriorOptions, ThreadsOption, count, trimmed};
 use crate::programs::options::ProgramOptions;
 use crate::worlds::drives::DriveOptions;
@@ -51,6 +52,9 @@ pub struct CompareOptions {
     /// Folder for tables, pictures and report, written whole or not at all [default: results/compare and the set's name]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// How pictures are made
+    #[command(flatten)]
+    pub paper: Paper,
     /// Form of the table on stdout; csv and json give all differences
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,

@@ -10,6 +10,7 @@ use super::plan::{Plan, REFERENCE};
 use super::rows::{self, Rows};
 use super::{document, figures, forest, tables};
 use crate::failure::Failure;
+use crate::figures::Paper;
 use crate::output::folder::Staging;
 use crate::output::ledger::RECORD;
 use crate::output::record::Record;
@@ -85,9 +86,9 @@ pub fn scores_of(mapper: &str) -> String {
 }
 
 /// Every file that may come of a plan, beside the record.
-pub fn names(plan: &Plan) -> Vec<String> {
+pub fn names(plan: &Plan, paper: &Paper) -> Vec<String> {
     let kept = plan.programs.iter().map(|program| page::kept::name(&program.name));
-    FILES.into_iter().map(str::to_owned).chain(plan.names().into_iter().map(scores_of)).chain(kept).collect()
+    paper.files(&FILES).into_iter().chain(plan.names().into_iter().map(scores_of)).chain(kept).collect()
 }
 
 const FILES: [&str; 11] = [
@@ -115,6 +116,7 @@ pub fn write(
     rows: &Rows,
     mut record: Record<Parts>,
     viewer: Viewer,
+    paper: &Paper,
 ) -> Result<(), Failure> {
     let Findings { worlds, scopes, judgements, repeated, claims } = findings;
     let names = plan.names();
@@ -128,15 +130,14 @@ pub fn write(
         csv("repeats.csv", tables::repeats(repeated))?;
     }
     let pictures = document::pictures(|name| {
-        let bytes = match name {
-            "differences.png" => forest::draw(rows, &names, &["log_loss", "brier"])?,
-            "reliability.png" => figures::reliability(findings, &scopes[0], &names)?,
-            "profiles.png" => figures::profiles(findings, &scopes[0], &names)?,
-            "repeats.png" if !repeated.is_empty() => figures::repeats(rows, &names)?,
+        let drawing = match name {
+            "differences.png" => forest::draw(rows, &names, &["log_loss", "brier"], paper),
+            "reliability.png" => figures::reliability(findings, &scopes[0], &names, paper),
+            "profiles.png" => figures::profiles(findings, &scopes[0], &names, paper),
+            "repeats.png" if !repeated.is_empty() => figures::repeats(rows, &names, paper),
             _ => return Ok(None),
         };
-        staging.write(name, |out| out.write_all(&bytes))?;
-        Ok(Some(bytes))
+        paper.save(staging, name, &drawing).map(Some)
     })?;
     let markdown = document::markdown(plan, claims, &document::sections(plan, rows, &pictures));
     staging.write("summary.md", |out| out.write_all(markdown.as_bytes()))?;

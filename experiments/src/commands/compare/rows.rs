@@ -40,6 +40,8 @@ pub struct Difference {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[expect(missing_docs, reason = "the names are those of the columns")]
 pub struct Repeat {
+    pub family: String,
+    pub seed: u64,
     pub mapper: String,
     pub repeats: usize,
     pub log_loss: Option<f64>,

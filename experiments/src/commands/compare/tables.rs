@@ -186,7 +186,8 @@ pub fn pooled_errors(worlds: &[WorldScores], scope: &Scope, mapper: &str, of: Pr
     pooled
 }
 
-fn maps<'a>(worlds: &'a [WorldScores], scope: &'a Scope, mapper: &'a str) -> impl Iterator<Item = &'a MapScores> {
+/// The scores of a mapper in the worlds of a scope.
+pub fn maps<'a>(worlds: &'a [WorldScores], scope: &'a Scope, mapper: &'a str) -> impl Iterator<Item = &'a MapScores> {
     scope.worlds.iter().filter_map(move |&world| worlds[world].maps.iter().find(|map| map.mapper == mapper))
 }
 

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use crate::figures::Paper;
 use crate::output::args::Format;
 
 /// Options of `ray`.
@@ -16,6 +17,9 @@ pub struct RayOptions {
     /// Folder for table, pictures and record, written whole or not at all [default: results/ray-CASE, none for a file]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// How pictures are made
+    #[command(flatten)]
+    pub paper: Paper,
     /// Form of the answers on stdout; csv and json in full precision, json as {"schema_version": 1, "mappers": {...}}
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,

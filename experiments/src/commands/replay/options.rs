@@ -8,6 +8,7 @@ use logs::{Report, Sensor};
 use sensor::{Laser, SensorModel, Stereo};
 
 use crate::failure::Failure;
+use crate::figures::Paper;
 use crate::output::args::{FormatOption, Given, PriorOptions, ThreadsOption, count, positive, probability, trimmed};
 use crate::output::folder;
 use crate::programs::options::ProgramOptions;
@@ -93,6 +94,9 @@ pub struct ReplayOptions {
     /// Folder for tables, maps, pictures and report, written whole or not at all [default: results/replay- and the log's name]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// How pictures are made
+    #[command(flatten)]
+    pub paper: Paper,
     /// How the table is printed
     #[command(flatten)]
     pub print: FormatOption,

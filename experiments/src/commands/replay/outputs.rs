@@ -57,8 +57,9 @@ pub(super) fn write(staging: &mut Staging, recording: &Recording, told: &Told) -
     }
     let drawn: Vec<(&str, &Raster<f64>)> =
         told.maps.maps.iter().map(|map| (map.mapper, &map.occupancy)).filter(|(name, _)| *name != "prior").collect();
-    let bytes = figure::draw(&drawn, &told.maps.seen, told.setup.prior.marginal(), &told.survey.path)?;
-    staging.write("maps.png", |out| out.write_all(&bytes))?;
+    let (prior, paper) = (told.setup.prior.marginal(), &told.options.paper);
+    let drawing = figure::draw(&drawn, &told.maps.seen, prior, &told.survey.path, paper);
+    let bytes = paper.save(staging, "maps.png", &drawing)?;
     let picture = Picture { name: "maps.png".to_owned(), caption: figure::CAPTION.to_owned(), bytes };
     let mut configuration = configuration(told);
     let programs = told.options.programs.record();

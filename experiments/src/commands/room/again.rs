@@ -12,6 +12,7 @@ use super::plan::RoomPlan;
 use super::record::Parts;
 use super::{document, outputs};
 use crate::failure::Failure;
+use crate::figures::Paper;
 use crate::output::args::{CutOption, Format, PriorOptions, ThreadsOption};
 use crate::page::{self, Folder, ViewedWorld, Viewer};
 use crate::programs::options::{ProgramOptions, ProgramRecord};
@@ -59,6 +60,7 @@ impl Made {
             drives,
             cut: CutOption { max_range_m },
             out: None,
+            paper: Paper::default(),
             format: Format::Text,
             threads: ThreadsOption::default(),
         })

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use crate::figures::Paper;
 use crate::output::args::{CutOption, Format, PriorOptions, ThreadsOption, count, positive, trimmed};
 use crate::programs::options::ProgramOptions;
 use crate::worlds::drives::DriveOptions;
@@ -53,6 +54,9 @@ pub struct RoomOptions {
     /// Folder for tables, maps, pictures and report, written whole or not at all [default: results/ and the scene's name]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// How pictures are made
+    #[command(flatten)]
+    pub paper: Paper,
     /// Form of the table on stdout; csv and json give all metrics
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,

@@ -11,7 +11,7 @@ use super::programs;
 use super::record::Parts;
 use super::summary::over_seeds;
 use crate::failure::Failure;
-use crate::figures;
+use crate::figures::{self, Paper};
 use crate::output;
 use crate::output::folder::Staging;
 use crate::output::ledger::RECORD;
@@ -61,7 +61,7 @@ pub(super) fn metrics(ground: &Ground, trials: &[Trial], stages: &[Stage]) -> Ta
 }
 
 /// Every file that may come of it, beside the record.
-pub(super) fn names(ground: &Ground, mappers: &[&Entry]) -> Vec<String> {
+pub(super) fn names(ground: &Ground, mappers: &[&Entry], paper: &Paper) -> Vec<String> {
     let tables = ["metrics.csv", "summary.csv", "scans.csv", "timeline.csv", "truth.npy", "report.html"];
     let pictures = document::PICTURES.map(|(name, _)| name);
     let stages = || ground.scene.stages.iter().map(|stage| &stage.name);
@@ -70,18 +70,26 @@ pub(super) fn names(ground: &Ground, mappers: &[&Entry]) -> Vec<String> {
         .flat_map(|entry| stages().flat_map(|stage| output::map::names(&format!("{}-{stage}", entry.name))));
     let of_programs =
         mappers.iter().flat_map(|entry| [programs::stderr_file(entry.name), page::kept::name(entry.name)]);
-    tables.into_iter().chain(pictures).map(str::to_owned).chain(maps).chain(of_programs).collect()
+    tables.into_iter().map(str::to_owned).chain(paper.files(&pictures)).chain(maps).chain(of_programs).collect()
+}
+
+/// What came of a run.
+#[derive(Clone, Copy)]
+pub(super) struct Outcome<'a> {
+    pub(super) ground: &'a Ground,
+    pub(super) trials: &'a [Trial],
+    pub(super) stages: &'a [Stage],
+    /// Scans after which the page shows maps.
+    pub(super) frames: &'a [usize],
 }
 
 /// Writes everything; readings, maps and pictures are those of the first seed.
 pub(super) fn write(
     staging: &mut Staging,
-    ground: &Ground,
-    trials: &[Trial],
-    stages: &[Stage],
-    frames: &[usize],
+    Outcome { ground, trials, stages, frames }: Outcome,
     metrics: &Table,
     record: &Record<Parts>,
+    paper: &Paper,
 ) -> Result<(), Failure> {
     let first = &trials[0];
     metrics.save(staging, "metrics.csv")?;
@@ -101,7 +109,7 @@ pub(super) fn write(
         }
     }
     programs::save_stderr(staging, trials, stages)?;
-    let pictures = pictures(staging, ground, first, stages)?;
+    let pictures = pictures(staging, ground, first, stages, paper)?;
     let rows = document::rows(&metrics.csv()?).map_err(Failure::internal)?;
     let viewer = Viewer { worlds: vec![ViewedWorld::new(ground, first, stages, frames)], budget: page::WORLD_BYTES };
     let programs = first.runs.iter().filter(|run| run.program.is_some());
@@ -182,17 +190,23 @@ fn timeline(trial: &Trial) -> Table {
 }
 
 /// Draws every picture and hands them on for the report.
-fn pictures(staging: &mut Staging, ground: &Ground, trial: &Trial, stages: &[Stage]) -> Result<Vec<Picture>, Failure> {
+fn pictures(
+    staging: &mut Staging,
+    ground: &Ground,
+    trial: &Trial,
+    stages: &[Stage],
+    paper: &Paper,
+) -> Result<Vec<Picture>, Failure> {
     let mut pictures = Vec::new();
     for (name, caption) in document::PICTURES {
-        let bytes = match name {
-            "scene.png" => figures::scene::draw(ground)?,
-            "maps.png" => figures::maps::draw(ground, trial, stages)?,
+        let drawing = match name {
+            "scene.png" => figures::scene::draw(ground, paper),
+            "maps.png" => figures::maps::draw(ground, trial, stages, paper),
             "regions.png" if ground.scene.regions.is_empty() => continue,
-            "regions.png" => figures::regions::draw(ground, trial, stages)?,
-            _ => figures::timeline::draw(trial, stages)?,
+            "regions.png" => figures::regions::draw(ground, trial, stages, paper),
+            _ => figures::timeline::draw(trial, stages, paper),
         };
-        staging.write(name, |out| out.write_all(&bytes))?;
+        let bytes = paper.save(staging, name, &drawing)?;
         pictures.push(Picture { name: name.to_owned(), caption: caption.to_owned(), bytes });
     }
     Ok(pictures)

@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 use mapper::Prior;
 use score::Finer;
 
+use crate::figures::Paper;
 use crate::output::args::{FormatOption, ThreadsOption, number, positive, probability};
 use crate::worlds::drives::DriveOptions;
 use crate::worlds::map_file::{Origin, RowOrder, Shading, origin, side};
@@ -66,6 +67,9 @@ pub struct ScoreOptions {
     /// Folder for tables, pictures and report, written whole or not at all [default: none is written]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// How pictures are made
+    #[command(flatten)]
+    pub paper: Paper,
     /// How the table is printed
     #[command(flatten)]
     pub print: FormatOption,

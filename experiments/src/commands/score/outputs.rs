@@ -14,6 +14,7 @@ use super::scored::Scored;
 use super::truth::Truth;
 use super::{document, drives, figures, profiles, rows, viewed};
 use crate::failure::Failure;
+use crate::figures::Paper;
 use crate::output::folder::{Purpose, Staging};
 use crate::output::ledger::RECORD;
 use crate::output::record::Record;
@@ -24,12 +25,15 @@ use crate::page::{self, Picture, Viewer};
 pub(super) const VIEWER: &str = "viewer.json";
 
 /// What a run means to do with its folder.
-pub(super) fn purpose(sources: &[&PathBuf]) -> Purpose {
+pub(super) fn purpose(sources: &[&PathBuf], paper: &Paper) -> Purpose {
     let pictures = figures::CAPTIONS.map(|(name, _)| name);
     Purpose::new(
         "score",
         sources,
-        ["metrics.csv", "differences.csv", "profiles.csv", VIEWER, "report.html"].into_iter().chain(pictures),
+        ["metrics.csv", "differences.csv", "profiles.csv", VIEWER, "report.html"]
+            .map(str::to_owned)
+            .into_iter()
+            .chain(paper.files(&pictures)),
     )
 }
 
@@ -53,7 +57,7 @@ pub(super) fn write(
             .transpose()?,
         profiles: profiles().next().map(|_| csv("profiles.csv", profiles::table(profiles()))).transpose()?,
     };
-    let pictures = pictures(staging, scored, truth, regions.first(), options.prior)?;
+    let pictures = pictures(staging, scored, truth, regions.first(), options)?;
     let [free, occupied, unknown] = truth.counts();
     let viewed = page::viewed(&Viewer {
         worlds: vec![viewed::world(&document::name_of(&options.truth), scored, truth, regions, options.prior)],
@@ -80,17 +84,17 @@ fn pictures(
     scored: &Scored,
     truth: &Truth,
     mask: &Raster<bool>,
-    prior: f64,
+    options: &ScoreOptions,
 ) -> Result<Vec<Picture>, Failure> {
-    let mut pictures = Vec::new();
+    let (paper, mut pictures) = (&options.paper, Vec::new());
     for (name, caption) in figures::CAPTIONS {
-        let bytes = match name {
-            "errors.png" => figures::errors(scored, truth, prior)?,
-            "profiles.png" if scored.maps.iter().any(|map| map.profiles.is_some()) => figures::profiles(scored)?,
+        let drawing = match name {
+            "errors.png" => figures::errors(scored, truth, options.prior, paper),
+            "profiles.png" if scored.maps.iter().any(|map| map.profiles.is_some()) => figures::profiles(scored, paper),
             "profiles.png" => continue,
-            _ => figures::reliabilities(scored, truth, mask)?,
+            _ => figures::reliabilities(scored, truth, mask, paper)?,
         };
-        staging.write(name, |out| out.write_all(&bytes))?;
+        let bytes = paper.save(staging, name, &drawing)?;
         pictures.push(Picture { name: name.to_owned(), caption: caption.to_owned(), bytes });
     }
     Ok(pictures)

@@ -1,11 +1,9 @@
 //! The sensor kernel over range and disparity: the paper's Figure 7.
 
-use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
-
-use crate::failure::Failure;
-use crate::figures::ink::{self, FAINT, INK};
-use crate::figures::{Area, png};
+use crate::figures::axis::{Axis, Tick};
+use crate::figures::drawing::Anchor;
+use crate::figures::ink::{Colour, FAINT, INK, LABEL, SMALL};
+use crate::figures::{Drawing, Paper, letters};
 
 /// The kernel on a grid: `density[row][column]` in 1/px.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,13 +16,16 @@ pub(super) struct Kernel {
     pub density: Vec<Vec<f64>>,
 }
 
-const WIDTH: u32 = 900;
-const HEIGHT: u32 = 600;
-const LEFT: u32 = 92;
-const RIGHT: u32 = 150;
-const TOP: u32 = 48;
-const BOTTOM: u32 = 72;
-const BAR: u32 = 26;
+/// Size of the picture, and the room about the kernel.
+const SIZE: (f64, f64) = (1100.0, 700.0);
+const LEFT: f64 = 84.0;
+const RIGHT: f64 = 140.0;
+const TOP: f64 = 44.0;
+const BOTTOM: f64 = 70.0;
+
+/// Width of the colour bar, and its steps.
+const BAR: f64 = 24.0;
+const STEPS: usize = 128;
 
 /// Anchors of viridis (Smith and van der Walt 2015): as bright as they are high, for every eye.
 const SCALE: [[f64; 3]; 6] = [
@@ -36,100 +37,66 @@ const SCALE: [[f64; 3]; 6] = [
     [253.0, 231.0, 37.0],
 ];
 
-/// Colour of a share of the scale, 0 to 1.
-fn colour(share: f64) -> RGBColor {
-    let at = share.clamp(0.0, 1.0) * (SCALE.len() - 1) as f64;
+/// Colour of a share of the scale, 0 to 1, in so many steps.
+fn colour(share: f64) -> Colour {
+    let share = (share.clamp(0.0, 1.0) * STEPS as f64).round() / STEPS as f64;
+    let at = share * (SCALE.len() - 1) as f64;
     let first = (at as usize).min(SCALE.len() - 2);
     let [r, g, b] = std::array::from_fn(|i| {
         let (low, high) = (SCALE[first][i], SCALE[first + 1][i]);
         (low + (at - first as f64) * (high - low)).round() as u8
     });
-    RGBColor(r, g, b)
+    Colour(r, g, b)
 }
 
 /// Draws the kernel, with colours in equal steps of its logarithm.
-///
-/// # Errors
-/// A drawing that fails.
-pub(super) fn draw(title: &str, kernel: &Kernel) -> Result<Vec<u8>, Failure> {
+pub(super) fn draw(title: &str, kernel: &Kernel, paper: &Paper) -> Drawing {
     let values = || kernel.density.iter().flatten().copied().filter(|l| *l > 0.0);
     let top = values().fold(f64::MIN_POSITIVE, f64::max);
     // Six powers of ten show all that matters where nothing is matched falsely.
     let bottom = values().fold(top, f64::min).max(1e-6 * top).min(0.5 * top);
-    let (low, high) = (libm::log10(bottom), libm::log10(top));
-    let share = |l: f64| if l > 0.0 { (libm::log10(l) - low) / (high - low) } else { 0.0 };
-    png((LEFT + WIDTH + RIGHT, TOP + HEIGHT + BOTTOM), |area| {
-        let (rows, columns) = (kernel.density.len(), kernel.density[0].len());
-        for y in 0..HEIGHT {
-            let row = &kernel.density[(HEIGHT - 1 - y) as usize * rows / HEIGHT as usize];
-            for x in 0..WIDTH {
-                let shade = colour(share(row[x as usize * columns / WIDTH as usize]));
-                area.draw_pixel(((LEFT + x) as i32, (TOP + y) as i32), &shade).map_err(Failure::internal)?;
-            }
-        }
-        let style = ink::letters(ink::TITLE, &INK).pos(Pos::new(HPos::Center, VPos::Center));
-        write(area, title, (LEFT + WIDTH / 2, TOP / 2), style)?;
-        axes(area, kernel)?;
-        bar(area, (low, high))
-    })
+    let scale = Axis::logarithmic("", bottom..top);
+    let mut drawing = Drawing::new(paper.width(SIZE.0), SIZE.1);
+    let (width, height) = (drawing.width - LEFT - RIGHT, SIZE.1 - TOP - BOTTOM);
+    let rows = kernel.density.iter().rev();
+    let colours = rows.flatten().map(|l| colour(if *l > 0.0 { scale.share(*l) } else { 0.0 })).collect();
+    let columns = kernel.density.first().map_or(0, Vec::len);
+    drawing.cells((LEFT, TOP), (width, height), columns, colours);
+    let title = letters::cut(title, LABEL, drawing.width - LEFT);
+    drawing.text(&title, (LEFT, 0.5 * TOP), LABEL, INK, Anchor::Start);
+    axes(&mut drawing, kernel, (width, height));
+    bar(&mut drawing, &scale, height);
+    drawing
 }
 
-fn write(area: &Area, text: &str, (x, y): (u32, u32), style: TextStyle) -> Result<(), Failure> {
-    area.draw(&Text::new(text.to_owned(), (x as i32, y as i32), style)).map_err(Failure::internal)
-}
-
-fn tick(area: &Area, from: (u32, u32), to: (u32, u32)) -> Result<(), Failure> {
-    let ends = [from, to].map(|(x, y)| (x as i32, y as i32));
-    area.draw(&PathElement::new(ends.to_vec(), FAINT)).map_err(Failure::internal)
-}
-
-/// A round step that divides `span` into four to eight parts.
-fn step(span: f64) -> f64 {
-    let power = libm::pow(10.0, libm::floor(libm::log10(span / 4.0)));
-    [5.0, 2.0, 1.0].into_iter().map(|d| d * power).find(|s| span / s >= 4.0).unwrap_or(power)
-}
-
-fn axes(area: &Area, kernel: &Kernel) -> Result<(), Failure> {
-    let letters = || ink::letters(ink::LABEL, &INK);
-    let base = TOP + HEIGHT;
-    let each = step(kernel.far_m);
-    for i in 0..=(kernel.far_m / each * (1.0 + 1e-12)) as u32 {
-        let x = LEFT + (f64::from(i) * each / kernel.far_m * f64::from(WIDTH)) as u32;
-        tick(area, (x, base), (x, base + 6))?;
-        write(area, &label(f64::from(i) * each), (x, base + 8), letters().pos(Pos::new(HPos::Center, VPos::Top)))?;
+fn axes(drawing: &mut Drawing, kernel: &Kernel, (width, height): (f64, f64)) {
+    let (base, line) = (TOP + height, FAINT.stroke(1.5));
+    for Tick { at, label } in Axis::linear("", 0.0..kernel.far_m).ticks((width / 80.0) as usize) {
+        let x = LEFT + at * width;
+        drawing.line([(x, base), (x, base + 7.0)], line);
+        drawing.text(&label, (x, base + 20.0), SMALL, INK, Anchor::Middle);
     }
-    let middle = Pos::new(HPos::Center, VPos::Top);
-    write(area, "range, m", (LEFT + WIDTH / 2, base + 40), letters().pos(middle))?;
-    let each = step(kernel.max_disparity);
-    for i in 0..=(kernel.max_disparity / each * (1.0 + 1e-12)) as u32 {
-        let y = base - (f64::from(i) * each / kernel.max_disparity * f64::from(HEIGHT)) as u32;
-        tick(area, (LEFT - 6, y), (LEFT, y))?;
-        write(area, &label(f64::from(i) * each), (LEFT - 10, y), letters().pos(Pos::new(HPos::Right, VPos::Center)))?;
+    drawing.text("range, m", (LEFT + 0.5 * width, base + 50.0), SMALL, INK, Anchor::Middle);
+    for Tick { at, label } in Axis::linear("", 0.0..kernel.max_disparity).ticks((height / 70.0) as usize) {
+        let y = base - at * height;
+        drawing.line([(LEFT - 7.0, y), (LEFT, y)], line);
+        drawing.text(&label, (LEFT - 12.0, y), SMALL, INK, Anchor::End);
     }
-    let turned = ink::letters(ink::LABEL, &INK).transform(FontTransform::Rotate270).pos(middle);
-    write(area, "disparity read, px", (14, TOP + HEIGHT / 2), turned)
+    drawing.upward_text("disparity read, px", (20.0, TOP + 0.5 * height), SMALL, INK);
 }
 
-fn label(value: f64) -> String {
-    format!("{}", (value * 1e9).round() / 1e9)
-}
-
-/// The colour bar, with a tick at every power of ten.
-fn bar(area: &Area, (low, high): (f64, f64)) -> Result<(), Failure> {
-    let left = LEFT + WIDTH + 28;
-    for y in 0..HEIGHT {
-        let shade = colour(1.0 - f64::from(y) / f64::from(HEIGHT - 1));
-        for x in left..left + BAR {
-            area.draw_pixel((x as i32, (TOP + y) as i32), &shade).map_err(Failure::internal)?;
-        }
+/// The colour bar, with its ticks.
+fn bar(drawing: &mut Drawing, scale: &Axis, height: f64) {
+    let left = drawing.width - RIGHT + 26.0;
+    let colours = (0..STEPS).rev().map(|k| colour((k as f64 + 0.5) / STEPS as f64)).collect();
+    drawing.cells((left, TOP), (BAR, height), 1, colours);
+    for Tick { at, label } in scale.ticks((height / 60.0) as usize) {
+        let y = TOP + (1.0 - at) * height;
+        let long = if label.is_empty() { 4.0 } else { 7.0 };
+        drawing.line([(left + BAR, y), (left + BAR + long, y)], FAINT.stroke(1.5));
+        drawing.text(&label, (left + BAR + 12.0, y), SMALL, INK, Anchor::Start);
     }
-    let style = || ink::letters(ink::LABEL, &INK).pos(Pos::new(HPos::Left, VPos::Center));
-    for power in low.ceil() as i32..=high.floor() as i32 {
-        let y = TOP + ((high - f64::from(power)) / (high - low) * f64::from(HEIGHT - 1)).round() as u32;
-        tick(area, (left + BAR, y), (left + BAR + 6, y))?;
-        write(area, &label(libm::pow(10.0, f64::from(power))), (left + BAR + 10, y), style())?;
-    }
-    write(area, "1/px", (left, TOP / 2), style())
+    drawing.text("density, 1/px", (left + BAR, 0.5 * TOP), SMALL, INK, Anchor::Middle);
 }
 
 #[cfg(test)]
@@ -137,14 +104,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn steps_are_round_and_few() {
-        for (span, expected) in [(60.0, 10.0), (15.0, 2.0), (1.0, 0.2), (40.0, 10.0)] {
-            assert!((step(span) - expected).abs() < 1e-12, "{span}: {}", step(span));
-        }
+    fn the_scale_ends_where_it_should() {
+        assert_eq!((colour(-1.0), colour(2.0)), (Colour(68, 1, 84), Colour(253, 231, 37)));
     }
 
     #[test]
-    fn the_scale_ends_where_it_should() {
-        assert_eq!((colour(-1.0), colour(2.0)), (RGBColor(68, 1, 84), RGBColor(253, 231, 37)));
+    fn the_kernel_is_drawn_from_the_largest_disparity_down() {
+        use crate::figures::drawing::Item;
+        let kernel = Kernel { far_m: 15.0, max_disparity: 60.0, density: vec![vec![1.0, 0.1], vec![0.001, 0.01]] };
+        let drawing = draw("title", &kernel, &Paper::default());
+        let Some(Item::Cells { colours, columns, .. }) = drawing.items.first() else { panic!("{drawing:?}") };
+        assert_eq!(*columns, 2);
+        assert_eq!([colours[0], colours[2]], [colour(0.0), colour(1.0)]);
     }
 }

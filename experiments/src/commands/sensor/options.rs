@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use crate::figures::Paper;
 use crate::output::args::{FormatOption, positive};
 use crate::worlds::scenes::scene;
 
@@ -19,6 +20,9 @@ pub struct SensorOptions {
     /// Folder for tables, pictures and record, written whole or not at all [default: results/sensor]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// How pictures are made
+    #[command(flatten)]
+    pub paper: Paper,
     /// How the table is printed
     #[command(flatten)]
     pub print: FormatOption,

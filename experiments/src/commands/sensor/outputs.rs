@@ -1,13 +1,12 @@
 //! The files that `sensor` leaves behind.
 
-use std::io::Write as _;
-
 use serde_json::json;
 
 use super::kernel::Kernel;
 use super::view::View;
 use super::{disparity, kernel};
 use crate::failure::Failure;
+use crate::figures::Paper;
 use crate::output::folder::Staging;
 use crate::output::record::Record;
 use crate::output::table::{Table, rounded};
@@ -20,7 +19,13 @@ const DISPARITIES: usize = 600;
 pub(super) const FILES: [&str; 4] = ["density.csv", "density.png", "kernel.csv", "kernel.png"];
 
 impl View {
-    pub(super) fn write(&self, staging: &mut Staging, scene: &str, claims: &[Claim]) -> Result<(), Failure> {
+    pub(super) fn write(
+        &self,
+        staging: &mut Staging,
+        scene: &str,
+        claims: &[Claim],
+        paper: &Paper,
+    ) -> Result<(), Failure> {
         let d = self.stereo.max_disparity;
         let at = |i: usize| i as f64 * d / DISPARITIES as f64;
         let curve: Vec<(f64, f64)> =
@@ -56,14 +61,13 @@ impl View {
             rounded(self.range_m),
             rounded(self.stereo.disparity(self.range_m, 0.0))
         );
-        let picture = disparity::draw(&title, d, &curve)?;
-        staging.write("density.png", |out| out.write_all(&picture))?;
+        paper.save(staging, "density.png", &disparity::draw(&title, d, &curve, paper))?;
         let middle = |i: usize| (i as f64 + 0.5) * d / DISPARITIES as f64;
         let row = |i: usize| cells.iter().map(|&(enter, exit)| self.density(middle(i), enter, exit)).collect();
         let far_m = (self.far_m() / self.cell_m).ceil().max(1.0) * self.cell_m;
         let picture = Kernel { far_m, max_disparity: d, density: (0..DISPARITIES).map(row).collect() };
-        let picture = kernel::draw("P(o | F): density of the reading if the first obstacle is in a cell", &picture)?;
-        staging.write("kernel.png", |out| out.write_all(&picture))?;
+        let title = "P(o | F): density of the reading if the first obstacle is in a cell";
+        paper.save(staging, "kernel.png", &kernel::draw(title, &picture, paper))?;
         let configuration = json!({
             "scene": scene,
             "range_m": rounded(self.range_m),

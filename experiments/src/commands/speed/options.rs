@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::scans::Kernel;
 use super::world::Known;
+use crate::figures::Paper;
 use crate::output::args::{FormatOption, count, positive, trimmed};
 use crate::programs::options::ProgramOptions;
 
@@ -48,6 +49,9 @@ pub struct SpeedOptions {
     /// Folder for tables and pictures, written whole or not at all
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// How pictures are made
+    #[command(flatten)]
+    pub paper: Paper,
     /// How the table is printed
     #[command(flatten)]
     pub print: FormatOption,

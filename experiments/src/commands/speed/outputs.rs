@@ -1,13 +1,12 @@
 //! The files that `speed` leaves behind.
 
-use std::io::Write as _;
-
 use serde_json::json;
 
 use super::growth::{self, Curve};
 use super::measure::Speed;
 use super::tables::{self, Conditions};
 use crate::failure::Failure;
+use crate::figures::Paper;
 use crate::output::folder::Staging;
 use crate::output::record::Record;
 
@@ -23,12 +22,12 @@ pub(super) fn write(
     speeds: &[Speed],
     conditions: &Conditions,
     curves: Option<&[Curve]>,
+    paper: &Paper,
 ) -> Result<(), Failure> {
     tables::table(speeds, conditions).save(&mut staging, "speed.csv")?;
     if let Some(curves) = curves {
         growth::table(curves).save(&mut staging, "growth.csv")?;
-        let picture = growth::draw(curves)?;
-        staging.write("growth.png", |out| out.write_all(&picture))?;
+        paper.save(&mut staging, "growth.png", &growth::draw(curves, paper))?;
     }
     let configuration = json!({
         "scans": conditions.source,

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 
 use super::parameters::{Of, PARAMETERS, Parameter, ParameterKind};
+use crate::figures::Paper;
 use crate::output::args::{FormatOption, MOST_THREADS, ThreadsOption, count};
 use crate::programs::options::ProgramOptions;
 use crate::worlds::scenes::sweep;
@@ -72,6 +73,9 @@ pub struct SweepOptions {
     /// How many threads work
     #[command(flatten)]
     pub threads: ThreadsOption,
+    /// How pictures are made
+    #[command(flatten)]
+    pub paper: Paper,
 }
 
 /// What can be done apart.
@@ -88,7 +92,7 @@ pub enum Part {
     /// Make one table of all shards
     Merge(MergeOptions),
     /// Draw the table
-    Plot(FolderOptions),
+    Plot(PlotOptions),
     /// Run the shards that are not done on a Slurm cluster, then merge and draw
     Slurm(SlurmOptions),
 }
@@ -144,6 +148,17 @@ pub struct FolderOptions {
     /// Folder of the sweep
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
+}
+
+/// Options of `sweep plot`.
+#[derive(Debug, Args)]
+pub struct PlotOptions {
+    /// Folder of the sweep
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// How pictures are made
+    #[command(flatten)]
+    pub paper: Paper,
 }
 
 /// Options of `sweep merge`.

@@ -61,6 +61,9 @@ const fn whole(min: f64, max: f64, bound: &'static str, remedy: &'static str) ->
     ParameterKind::Whole(Limit { min, max, bound, remedy })
 }
 
+/// As `max_range`, this and more stands for all readings.
+pub const ALL_READINGS_M: f64 = 1000.0;
+
 const PROBABILITY: &str = "a number from 0 to 1";
 
 const GENERATE: &str = "generate";

@@ -5,18 +5,23 @@ use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use plotters::prelude::SeriesLabelPosition;
-
-use super::parameters::PARAMETERS;
+use super::parameters::{self, PARAMETERS};
 use crate::failure::Failure;
-use crate::figures::chart::{self, Axis, Chart, Mark, Series};
-use crate::figures::ink::LINES;
+use crate::figures::chart::{At, Axis, Chart, Series, sheet};
+use crate::figures::style::{self, Style};
+use crate::figures::{Drawing, Paper};
+use crate::worlds::estimate::Moments;
 
 /// Columns that are drawn, with their regions and titles.
 const PANELS: [Panel; 3] = [
-    Panel { metric: "log_loss", region: "observable", title: "log loss, nats per cell" },
-    Panel { metric: "brier", region: "observable", title: "Brier score" },
-    Panel { metric: "log_loss", region: FREE, title: "probability that free cells are free" },
+    Panel { metric: "log_loss", region: "observable", title: "Log loss", unit: "log loss, nats/cell" },
+    Panel { metric: "brier", region: "observable", title: "Brier score", unit: "Brier score" },
+    Panel {
+        metric: "log_loss",
+        region: FREE,
+        title: "How free free cells are",
+        unit: "mean probability of being free",
+    },
 ];
 
 /// The region of free cells that rays crossed. Of its log loss, `exp(-x)` is drawn: the geometric mean of `P(free)`.
@@ -33,6 +38,7 @@ struct Panel {
     metric: &'static str,
     region: &'static str,
     title: &'static str,
+    unit: &'static str,
 }
 
 /// A table in memory.
@@ -42,7 +48,7 @@ struct Means {
     /// Names of the numbers that make lines.
     line: String,
     /// Sums over worlds, and their numbers; of bins of range and looks, over cells.
-    values: BTreeMap<PointKey, (f64, f64)>,
+    values: BTreeMap<PointKey, Moments>,
     /// All mappers.
     mappers: BTreeSet<String>,
     /// All combinations of words.
@@ -68,18 +74,21 @@ pub fn names(mapper: &str) -> [String; 2] {
     [format!("{mapper}.png"), format!("{mapper}-range-by-looks.png")]
 }
 
-/// Draws the sheets of each mapper from a merged table: names of files and PNG.
+/// Size of a chart.
+const SIZE: (f64, f64) = (480.0, 430.0);
+
+/// Draws the sheets of each mapper from a merged table, with the names of their files.
 ///
 /// # Errors
-/// No table; a drawing that fails; I/O.
-pub fn draw(table: &Path) -> Result<Vec<(String, Vec<u8>)>, Failure> {
+/// No table; I/O.
+pub fn draw(table: &Path, paper: &Paper) -> Result<Vec<(String, Drawing)>, Failure> {
     let Some(means) = read(table)? else { return Ok(Vec::new()) };
     let mut sheets = Vec::new();
     for mapper in &means.mappers {
-        let kinds = [(means.charts(mapper), PANELS.len()), (means.range_by_looks(mapper), 1)];
-        for ((charts, columns), name) in kinds.into_iter().zip(names(mapper)) {
+        let kinds = [(means.charts(mapper), PANELS.len(), SIZE), (means.range_by_looks(mapper), 1, (700.0, 520.0))];
+        for ((charts, columns, size), name) in kinds.into_iter().zip(names(mapper)) {
             if !charts.is_empty() {
-                sheets.push((name, chart::sheet(&charts, columns.min(charts.len()), (640, 520))?));
+                sheets.push((name, sheet(&charts, columns, size, paper)));
             }
         }
     }
@@ -89,8 +98,8 @@ pub fn draw(table: &Path) -> Result<Vec<(String, Vec<u8>)>, Failure> {
 /// The mean over fewer cells than this says nothing.
 const FEWEST_CELLS: f64 = 300.0;
 
-/// Points of a line, in order of x.
-type Points = Vec<(f64, Option<f64>)>;
+/// A line before it has a style: its name, and its points in order of x.
+type Line = (String, Vec<At>);
 
 impl Means {
     fn charts(&self, mapper: &str) -> Vec<Chart> {
@@ -99,92 +108,99 @@ impl Means {
     }
 
     fn chart(&self, mapper: &str, row: &str, panel: &Panel) -> Option<Chart> {
-        let mut lines: BTreeMap<&str, Points> = BTreeMap::new();
-        for (key, (sum, count)) in &self.values {
+        let mut lines: BTreeMap<&str, Vec<At>> = BTreeMap::new();
+        for (key, moments) in &self.values {
             let own = (key.metric, key.region.as_str(), key.mapper.as_str(), key.row.as_str());
             if own == (panel.metric, panel.region, mapper, row) {
-                let mean = sum / count;
-                let y = if panel.region == FREE { libm::exp(-mean) } else { mean };
-                lines.entry(&key.line).or_default().push((key.x.parse().ok()?, Some(y)));
+                let mean = moments.estimate()?;
+                let mean = if panel.region == FREE { mean.map(|loss| libm::exp(-loss)) } else { mean };
+                let at = At { x: key.x.parse().ok()?, y: mean.value, interval: mean.interval };
+                lines.entry(&key.line).or_default().push(at);
             }
         }
-        // The legend stands where there is room for it, in the last panel.
-        let name = |value: &str| if panel.region == FREE { format!("{} {value}", self.line) } else { value.to_owned() };
-        let lines = lines.into_iter().map(|(value, points)| (name(value).trim().to_owned(), points));
+        let name = |value: &str| format!("{} {value}", self.line).trim().to_owned();
+        let lines = lines.into_iter().map(|(value, points)| (name(value), points)).collect();
         let kind = if panel.region == FREE { Ordinate::Probability } else { Ordinate::Error };
         let title = if row.is_empty() { panel.title.to_owned() } else { format!("{}: {row}", panel.title) };
-        let mut chart = lined(title, &label(&self.axis), lines.collect(), kind)?;
-        if panel.region != FREE {
-            chart.series.iter_mut().for_each(|series| series.name.clear());
-        }
-        Some(chart)
+        lined((title, panel.unit), along(&self.axis), lines, kind, style::of_mappers(&[mapper])[0])
     }
 
     /// Log loss against range, a line for each number of looks.
     fn range_by_looks(&self, mapper: &str) -> Vec<Chart> {
-        let mut sums: BTreeMap<String, BTreeMap<String, (f64, f64)>> = BTreeMap::new();
-        for (key, (sum, count)) in
-            self.values.iter().filter(|(key, _)| key.metric == "log_loss" && key.mapper == mapper)
-        {
+        // Bins of several settings are of the same worlds: their mean has no interval of independent draws.
+        let mut sums: BTreeMap<String, BTreeMap<String, (Moments, usize)>> = BTreeMap::new();
+        for (key, moments) in self.values.iter().filter(|(key, _)| key.metric == "log_loss" && key.mapper == mapper) {
             let Some((range, looks)) = key.region.strip_prefix("range ").and_then(|rest| rest.split_once(" looks "))
             else {
                 continue;
             };
             let bin = sums.entry(looks.to_owned()).or_default().entry(range.to_owned()).or_default();
-            *bin = (bin.0 + sum, bin.1 + count);
+            *bin = (bin.0.and(moments), bin.1 + 1);
         }
-        let point = |(range, (sum, count)): (&String, &(f64, f64))| {
-            let (from, to) = range.split_once('-').filter(|_| *count >= FEWEST_CELLS)?;
-            let from: f64 = from.parse().ok()?;
-            Some((0.5 * (from + to.parse().unwrap_or(1.5 * from)), Some(sum / count)))
+        let point = |(range, (moments, settings)): (&String, &(Moments, usize))| {
+            let (from, to) = range.split_once('-').filter(|_| moments.count() >= FEWEST_CELLS)?;
+            let (from, to): (f64, f64) = (from.parse().ok()?, to.parse().ok()?);
+            let mean = moments.estimate()?;
+            Some(At { x: 0.5 * (from + to), y: mean.value, interval: mean.interval.filter(|_| *settings == 1) })
         };
-        let line = |(looks, ranges): (String, BTreeMap<String, (f64, f64)>)| {
+        let line = |(looks, ranges): (String, BTreeMap<String, (Moments, usize)>)| {
             (format!("looks {looks}"), ranges.iter().filter_map(point).collect())
         };
         let lines = sums.into_iter().map(line).collect();
-        lined(
-            "log loss by number of looks, nats per cell".to_owned(),
-            "range from which a cell was seen best, m",
-            lines,
-            Ordinate::Error,
-        )
-        .into_iter()
-        .collect()
+        let (title, unit) = ("Log loss by number of looks", "log loss, nats/cell");
+        let x = Along { label: "range from which a cell was seen best, m".to_owned(), all: None };
+        lined((title.to_owned(), unit), x, lines, Ordinate::Error, Style::numbered(0)).into_iter().collect()
     }
 }
 
+/// What stands along the axis.
+struct Along {
+    /// Quantity and unit.
+    label: String,
+    /// From here on a value stands for everything.
+    all: Option<f64>,
+}
+
 /// A chart of lines, in the order of the numbers in their names; none where there is no line to draw.
-fn lined(title: String, x_label: &str, mut lines: Vec<(String, Points)>, kind: Ordinate) -> Option<Chart> {
+fn lined(
+    (title, unit): (String, &str),
+    along: Along,
+    mut lines: Vec<Line>,
+    kind: Ordinate,
+    alone: Style,
+) -> Option<Chart> {
     lines.retain(|(_, points)| points.len() > 1);
     lines.sort_by(|a, b| numbers(&a.0).partial_cmp(&numbers(&b.0)).unwrap_or(Ordering::Equal));
-    lines.iter_mut().for_each(|(_, points)| points.sort_by(|a, b| a.0.total_cmp(&b.0)));
+    lines.iter_mut().for_each(|(_, points)| points.sort_by(|a, b| a.x.total_cmp(&b.x)));
     let all = || lines.iter().flat_map(|(_, points)| points);
     let ends = |values: &mut dyn Iterator<Item = f64>| {
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)))
     };
-    let (left, right) = ends(&mut all().map(|(x, _)| *x));
-    let (bottom, top) = ends(&mut all().filter_map(|(_, y)| *y));
+    let on_scale = |at: &&At| along.all.is_none_or(|from| at.x < from);
+    let (left, right) = ends(&mut all().filter(on_scale).map(|at| at.x));
+    let (bottom, top) =
+        ends(&mut all().flat_map(|at| [Some(at.y), at.interval.map(|i| i.0), at.interval.map(|i| i.1)]).flatten());
     if lines.is_empty() || right <= left {
         return None;
     }
-    let x = if left > 0.0 && right / left > 10.0 {
-        Axis::logarithmic(x_label, 0.9 * left..1.1 * right)
+    let x = if left > 0.0 && right / left > 5.0 {
+        Axis::logarithmic(&along.label, left / 1.1..1.1 * right)
     } else {
         let margin = 0.05 * (right - left);
-        Axis::linear(x_label, left - margin..right + margin)
+        Axis::linear(&along.label, left - margin..right + margin)
     };
-    // A probability near 1 is seen from 1, with room for the legend below; an error from 0.
-    let (y, legend) = match kind {
-        Ordinate::Probability => ((1.0 - 2.5 * (1.0 - bottom)).max(0.0)..1.0, SeriesLabelPosition::LowerLeft),
-        Ordinate::Error => (0.0..1.1 * top.max(1e-9), SeriesLabelPosition::UpperLeft),
+    let x = Axis {
+        apart: along.all.filter(|from| all().any(|at| at.x >= *from)).map(|from| (from, "all".to_owned())),
+        ..x
     };
-    let series = lines.into_iter().enumerate().map(|(k, (name, points))| Series {
-        name,
-        points,
-        mark: if k < LINES.len() { Mark::Ring } else { Mark::Triangle },
-        colour: LINES[k % LINES.len()],
-    });
-    Some(Chart { title, x, y: Axis::linear("", y), bands: Vec::new(), series: series.collect(), legend })
+    let y = match kind {
+        Ordinate::Probability => (1.0 - 1.15 * (1.0 - bottom)).max(0.0)..1.0,
+        Ordinate::Error => 0.0..1.08 * top.max(1e-9),
+    };
+    let only = lines.len() == 1;
+    let style = |k: usize| if only { alone } else { Style::numbered(k) };
+    let series = lines.into_iter().enumerate().map(|(k, (name, points))| Series { name, points, style: style(k) });
+    Some(Chart::new(&title, x, Axis::linear(unit, y), series.collect()))
 }
 
 /// The numbers in a text, to sort by.
@@ -192,13 +208,25 @@ fn numbers(text: &str) -> Vec<f64> {
     text.split([' ', ',', '-']).filter_map(|word| word.parse().ok()).collect()
 }
 
-fn label(key: &str) -> String {
-    match key {
-        "grid" => "cell size, m".to_owned(),
-        "disparity_sigma" | "believed_sigma" => format!("{}, px", key.replace('_', " ")),
-        "assumed_length" => "assumed length of obstacles, m".to_owned(),
-        _ => key.replace('_', " "),
-    }
+/// A parameter with its unit.
+fn along(key: &str) -> Along {
+    let named = match key {
+        "grid" => "cell size",
+        "max_range" => "readings used up to",
+        "assumed_length" => "assumed length of obstacles",
+        _ => "",
+    };
+    let name = if named.is_empty() { key.replace('_', " ") } else { named.to_owned() };
+    let unit = parameters::parameter(key).and_then(unit).map_or_else(String::new, |unit| format!(", {unit}"));
+    Along { label: name + &unit, all: (key == "max_range").then_some(parameters::ALL_READINGS_M) }
+}
+
+/// The unit of a parameter, which stands behind what is said about it.
+fn unit(parameter: &parameters::Parameter) -> Option<&'static str> {
+    const UNITS: [&str; 7] = ["m", "px", "px m", "m/s", "s", "degrees per s", "degrees"];
+    let pieces = parameter.about.split([':', ';']);
+    let behind = pieces.filter_map(|piece| Some(piece.rsplit_once(", ")?.1.trim()));
+    behind.filter_map(|unit| UNITS.into_iter().find(|known| *known == unit)).next()
 }
 
 /// Reads a table row by row; what is kept are sums, so that it may be long. None where no number was varied.
@@ -245,8 +273,7 @@ fn read(path: &Path) -> Result<Option<Means>, Failure> {
             means.mappers.insert(key.mapper.clone());
             means.rows.insert(key.row.clone());
             let weight = if key.region.starts_with("range ") { row[cells].parse().unwrap_or(0.0) } else { 1.0 };
-            let sum = means.values.entry(key).or_insert((0.0, 0.0));
-            *sum = (sum.0 + weight * value, sum.1 + weight);
+            means.values.entry(key).or_default().add(weight * value, weight);
         }
     }
     Ok(Some(means))
@@ -292,12 +319,12 @@ mod tests {
     use super::*;
 
     /// A table with the columns that are read, of two cell sizes.
-    fn drawn(rows: &str) -> Result<(Vec<String>, Vec<Vec<u8>>), Failure> {
+    fn drawn(rows: &str) -> Result<(Vec<String>, Vec<Drawing>), Failure> {
         let folder = tempfile::tempdir().expect("temporary folder");
         let text = format!("id,scene,seed,grid,mapper,region,cells,log_loss,brier,error\n{rows}");
         let table = folder.path().join("table.csv");
         std::fs::write(&table, text).expect("writable");
-        Ok(draw(&table)?.into_iter().unzip())
+        Ok(draw(&table, &Paper::default())?.into_iter().unzip())
     }
 
     #[test]
@@ -306,7 +333,7 @@ mod tests {
                     2,a,1,0.2,visibility,,,,,lost\n";
         let (names, pictures) = drawn(rows).expect("drawn");
         assert_eq!(names, ["prior.png"]);
-        assert!(pictures[0].starts_with(b"\x89PNG"));
+        assert!(pictures[0].items.len() > 40);
     }
 
     #[test]
@@ -317,11 +344,32 @@ mod tests {
                     0.1,prior,observable,9,0.7,0.4,\n0.1,prior,,,,,lost\n0.2,prior,observable,9,0.9,,\n";
         std::fs::write(&path, text).expect("writable");
         let means = read(&path).expect("read").expect("a number was varied");
-        let sums: Vec<_> = means.values.iter().map(|(k, v)| (k.metric, k.x.as_str(), *v)).collect();
-        assert_eq!(
-            format!("{sums:?}"),
-            r#"[("brier", "0.1", (0.6000000000000001, 2.0)), ("log_loss", "0.1", (1.2, 2.0)), ("log_loss", "0.2", (0.9, 1.0))]"#
-        );
+        let found = means.values.iter().filter_map(|(k, v)| Some((k.metric, k.x.as_str(), v.estimate()?)));
+        let found: Vec<_> =
+            found.map(|(metric, x, e)| (metric, x, (e.value * 1e9).round() / 1e9, e.interval.is_some())).collect();
+        let expected = [("brier", "0.1", 0.3, true), ("log_loss", "0.1", 0.6, true), ("log_loss", "0.2", 0.9, false)];
+        assert_eq!(format!("{found:?}"), format!("{expected:?}"));
+    }
+
+    #[test]
+    fn every_number_has_its_unit_and_all_readings_are_no_range() {
+        let labels = ["grid", "max_range", "disparity_sigma", "assumed_length", "quantisation", "correlation"]
+            .map(|key| along(key).label);
+        let expected = [
+            "cell size, m",
+            "readings used up to, m",
+            "disparity sigma, px",
+            "assumed length of obstacles, m",
+            "quantisation, px",
+            "correlation",
+        ];
+        assert_eq!(labels, expected);
+        let lines =
+            vec![("visibility".to_owned(), [1.0, 2.0, 1000.0].map(|x| At { x, y: 0.1, interval: None }).to_vec())];
+        let chart =
+            lined((String::new(), ""), along("max_range"), lines, Ordinate::Error, Style::numbered(0)).expect("drawn");
+        assert!(chart.x.range.end < 3.0);
+        assert_eq!(chart.x.apart, Some((1000.0, "all".to_owned())));
     }
 
     #[test]

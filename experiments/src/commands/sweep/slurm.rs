@@ -16,6 +16,7 @@ use super::options::SlurmOptions;
 use super::shard::State;
 use super::{outcome, shard};
 use crate::failure::Failure;
+use crate::figures::Paper;
 use crate::jobs::interruption;
 use crate::output::{note, table};
 
@@ -54,7 +55,7 @@ pub(super) fn run(options: &SlurmOptions) -> Result<(), Failure> {
         let missing = shard::missing(&manifest);
         if missing.is_empty() {
             queue::forget(&manifest.folder);
-            return outcome::conclude(&manifest, None);
+            return outcome::conclude(&manifest, None, &Paper::default());
         }
         if round == options.rounds {
             break;

@@ -8,6 +8,7 @@ use score::{Region, Scorer, Sightings};
 use super::candidates::{Tuned, rule};
 use super::clamps;
 use crate::failure::Failure;
+use crate::worlds::estimate::Moments;
 use crate::worlds::run::look;
 use crate::worlds::site::{Assumptions, Site, WorldId};
 
@@ -18,6 +19,8 @@ pub struct Errors {
     pub log_loss: f64,
     /// Brier score.
     pub brier: f64,
+    /// The ends of the 95 % interval of a mean log loss over worlds.
+    pub interval: Option<(f64, f64)>,
 }
 
 /// How the candidates of a mapper did.
@@ -48,7 +51,7 @@ pub fn errors(world: &WorldId, family: &Family, candidates: &[Candidate]) -> Res
         let (Some(log_loss), Some(brier)) = (scores.log_loss.value, scores.brier.value) else {
             return Err(Failure::Internal(format!("{world}: nothing could be seen")));
         };
-        Ok(Errors { log_loss, brier })
+        Ok(Errors { log_loss, brier, interval: None })
     };
     let scans = || simulation.scans.iter().map(|simulated| &simulated.scan);
     let mut errors = Vec::with_capacity(candidates.len());
@@ -75,7 +78,9 @@ impl TunedFit {
             let mean = |of: fn(&Errors) -> f64| {
                 worlds.iter().map(|errors| of(&errors[number])).sum::<f64>() / worlds.len() as f64
             };
-            Errors { log_loss: mean(|e| e.log_loss), brier: mean(|e| e.brier) }
+            let losses = Moments::of(worlds.iter().map(|errors| (errors[number].log_loss, 1.0)));
+            let interval = losses.estimate().and_then(|estimate| estimate.interval);
+            Errors { log_loss: mean(|e| e.log_loss), brier: mean(|e| e.brier), interval }
         };
         let candidates =
             candidates.iter().enumerate().map(|(number, candidate)| (candidate.clone(), mean(number))).collect();
@@ -106,7 +111,8 @@ mod tests {
     fn the_least_mean_wins_and_of_equals_the_first() {
         let mrf = Tuned::parse("mrf").expect("known");
         let candidates = &mrf.candidates()[..4];
-        let errors = |losses: [f64; 4]| losses.map(|log_loss| Errors { log_loss, brier: 2.0 * log_loss });
+        let errors =
+            |losses: [f64; 4]| losses.map(|log_loss| Errors { log_loss, brier: 2.0 * log_loss, interval: None });
         let [first, second] = [errors([0.5, 0.125, 0.25, 0.875]), errors([0.125, 0.5, 0.25, 0.125])];
         let fit = TunedFit::new(mrf, candidates, &[&first, &second]);
         assert_eq!(fit.worlds, 2);

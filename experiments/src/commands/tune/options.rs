@@ -6,6 +6,7 @@ use clap::Args;
 use scene::Set;
 
 use super::candidates::Tuned;
+use crate::figures::Paper;
 use crate::output::args::{Format, ThreadsOption, count};
 use crate::worlds::scenes::{FAMILIES, scene};
 
@@ -21,6 +22,9 @@ pub struct TuneOptions {
     /// What to fit, comma-separated [default: all]
     #[arg(long, value_name = "A,B", value_delimiter = ',', value_parser = Tuned::parse)]
     pub mappers: Vec<Tuned>,
+    /// How pictures are made
+    #[command(flatten)]
+    pub paper: Paper,
     /// Folder for table and picture, written whole or not at all
     #[arg(long, value_name = "DIR", default_value = "results/tuning")]
     pub out: PathBuf,

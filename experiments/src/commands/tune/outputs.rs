@@ -1,7 +1,6 @@
 //! What `tune` leaves behind and prints.
 
 use std::fmt::Write as _;
-use std::io::Write as _;
 
 use mapper::{Candidate, Prior, Setting};
 use serde_json::{Value, json};
@@ -90,8 +89,8 @@ pub(super) const FILES: [&str; 2] = ["tuning.csv", "tuning.png"];
 /// A drawing that fails; a file that cannot be written.
 pub fn write(staging: &mut Staging, fits: &[TunedFit], options: &TuneOptions) -> Result<(), Failure> {
     table(fits).save(staging, "tuning.csv")?;
-    if let Some(picture) = figure::draw(fits)? {
-        staging.write("tuning.png", |out| out.write_all(&picture))?;
+    if let Some(picture) = figure::draw(fits, &options.paper) {
+        options.paper.save(staging, "tuning.png", &picture)?;
     }
     let chosen = fits.iter().map(|fit| (fit.tuned.name().to_owned(), json!(fit.best().to_string())));
     let configuration = json!({

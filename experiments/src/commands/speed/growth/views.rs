@@ -1,13 +1,11 @@
 //! Table and picture of how time grows.
 
-use plotters::prelude::SeriesLabelPosition;
 use serde_json::json;
 
 use super::curve::{Against, Curve};
 use crate::commands::speed::tables::grouped;
-use crate::failure::Failure;
-use crate::figures::chart::{self, Axis, Chart, Mark, Series};
-use crate::figures::ink::LINES;
+use crate::figures::chart::{Axis, Chart, Series, sheet};
+use crate::figures::{Drawing, Paper, style};
 use crate::output::table::{Table, aligned, optional, rounded};
 
 /// One row per mapper, axis and size; the exponent is that of the whole curve.
@@ -66,13 +64,10 @@ fn time(seconds: f64) -> String {
     format!("{value:.decimals$} {unit}")
 }
 
-/// A chart for each axis with a line for each mapper, as a PNG.
-///
-/// # Errors
-/// A drawing that fails.
-pub fn draw(curves: &[Curve]) -> Result<Vec<u8>, Failure> {
+/// A chart for each axis with a line for each mapper.
+pub fn draw(curves: &[Curve], paper: &Paper) -> Drawing {
     let charts: Vec<Chart> = Against::ALL.iter().filter_map(|against| chart(curves, *against)).collect();
-    chart::sheet(&charts, 2, (800, 600))
+    sheet(&charts, 2, (700.0, 520.0), paper)
 }
 
 impl Against {
@@ -122,25 +117,12 @@ fn chart(curves: &[Curve], against: Against) -> Option<Chart> {
     if right <= left || !(bottom > 0.0 && top.is_finite()) {
         return None;
     }
-    let name = |curve: &Curve| match curve.exponent() {
-        Some(exponent) => format!("{}: {}", curve.mapper, shown(exponent)),
-        None => curve.mapper.to_owned(),
-    };
-    let series = own().enumerate().map(|(k, curve)| Series {
-        name: name(curve),
-        points: curve.points.iter().map(|(size, seconds)| (*size, Some(seconds / unit_s))).collect(),
-        mark: if k < LINES.len() { Mark::Ring } else { Mark::Triangle },
-        colour: LINES[k % LINES.len()],
+    let names: Vec<&str> = own().map(|curve| curve.mapper).collect();
+    let series = own().zip(style::of_mappers(&names)).map(|(curve, style)| {
+        Series::new(curve.mapper, style, curve.points.iter().map(|(size, seconds)| (*size, Some(seconds / unit_s))))
     });
-    Some(Chart {
-        title: format!("{title}, with its exponent"),
-        x: Axis::logarithmic(against.heading(), 0.8 * left..1.25 * right),
-        // The legend stands above the lines.
-        y: Axis::logarithmic("", 0.7 * bottom..30.0 * top),
-        bands: Vec::new(),
-        series: series.collect(),
-        legend: SeriesLabelPosition::UpperLeft,
-    })
+    let x = Axis::logarithmic(against.heading(), 0.8 * left..1.25 * right);
+    Some(Chart::new(against.heading(), x, Axis::logarithmic(title, 0.7 * bottom..1.4 * top), series.collect()))
 }
 
 #[cfg(test)]
@@ -185,6 +167,7 @@ mod tests {
         let mut single = curves();
         single.iter_mut().for_each(|curve| curve.points.truncate(1));
         assert!(chart(&single, Against::Scans).is_none());
-        assert!(draw(&curves()).expect("drawn").starts_with(b"\x89PNG"));
+        let png = Paper::default().png(&draw(&curves(), &Paper::default())).expect("drawn");
+        assert!(png.starts_with(b"\x89PNG"));
     }
 }
