@@ -1,7 +1,9 @@
 //! Pictures, in the paper's layout.
 //!
-//! A function gives a [`Drawing`], in units that are no pixels; [`Paper`] makes a PNG of it, and an SVG beside that. With
-//! a bundled font and no mathematics of the system's a picture is the same on every machine.
+//! A function gives a [`Drawing`], in units that are no pixels; [`Paper`] makes a PNG of it, and an SVG beside that. Charts
+//! are drawn by plotters, for which a drawing is a back end; maps are cells and marks in metres. With a bundled font and
+//! no mathematics of the system's a picture is the same on every machine: plotters counts in whole numbers, and the axes
+//! are ours.
 
 pub mod axis;
 mod backend;

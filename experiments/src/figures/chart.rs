@@ -131,6 +131,8 @@ impl Chart {
         let left = 16.0 + if self.y.label.is_empty() { 0.0 } else { 28.0 } + widest + 2.0 * TICK;
         let named = self.series.iter().filter(|series| series.style.labelled && !series.points.is_empty());
         let right = named.map(|series| letters::width(&series.name, SMALL) + 12.0).fold(RIGHT, f64::max);
+        // Lines need room more than their names do.
+        let right = right.min(0.5 * (width - left)).max(RIGHT);
         let title = letters::cut(&self.title, LABEL, width - left);
         area.draw_text(&title, &lettering(LABEL, INK, Anchor::Start), (fine(left), fine(0.5 * HEAD)))?;
         let mut plot = ChartBuilder::on(area)
@@ -148,7 +150,7 @@ impl Chart {
         for (number, series) in self.series.iter().enumerate() {
             self.series(&mut plot, series, number)?;
         }
-        self.names(&plot, area)
+        self.names(&plot, area, right - 12.0)
     }
 
     /// Where values are shown, as shares of the axes.
@@ -266,11 +268,11 @@ impl Chart {
         pieces.into_iter().map(|piece| piece.into_iter().map(values).collect()).collect()
     }
 
-    /// Names at the ends of the lines that have no colour of their own, none upon another.
-    fn names(&self, plot: &Plot, area: &Area) -> Outcome {
+    /// Names at the ends of the lines that have no colour of their own, none upon another and none wider than the room.
+    fn names(&self, plot: &Plot, area: &Area, room: f64) -> Outcome {
         let end = |series: &'_ Series| {
             let last = series.points.iter().rev().find(|at| self.shows(at.x, at.y))?;
-            Some((place(plot.backend_coord(&(last.x, last.y))).1, series.name.clone()))
+            Some((place(plot.backend_coord(&(last.x, last.y))).1, letters::cut(&series.name, SMALL, room)))
         };
         let named = self.series.iter().filter(|series| series.style.labelled);
         let mut ends: Vec<(f64, String)> = named.filter_map(end).collect();
@@ -358,6 +360,24 @@ mod tests {
                 .fold(99.0, f64::min)
         };
         assert!((sizes(&wide) - sizes(&narrow)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_narrow_chart_has_room_for_its_lines_beside_long_names() {
+        let mut narrow = chart(&[(0.0, 0.0), (5.0, 1.0)]);
+        for series in &mut narrow.series {
+            series.style.labelled = true;
+            series.name += " of a mapper with a long name";
+        }
+        let paper = Paper { width_mm: Some(60.0), ..Paper::default() };
+        let drawing = sheet(&[narrow.clone(), narrow], 2, (350.0, 340.0), &paper);
+        let line = |item: &'_ Item| match item {
+            Item::Line { points, stroke } if (stroke.width - 2.5).abs() < 1e-9 => Some(points[1].0 - points[0].0),
+            _ => None,
+        };
+        let lengths: Vec<f64> = drawing.items.iter().filter_map(line).collect();
+        assert!(lengths.iter().all(|length| *length > 20.0), "{lengths:?}");
+        assert!(texts(&drawing).iter().any(|text| text.starts_with("one") && text.ends_with('…')));
     }
 
     #[test]
