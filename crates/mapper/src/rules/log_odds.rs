@@ -123,7 +123,7 @@ const PATCHES: usize = TILE / PATCH;
 /// [`LogOdds::no_echo_m`], whatever the sensor's range, and hits nothing. A cell that was never updated is unknown: it
 /// reports the prior, like the unseen cells of every other mapper.
 ///
-/// While a scan is taken, it is only noted which cells were missed and hit, a bit to each and a patch of 8 x 8 cells at a time ([`Sweep`]).
+/// While a scan is taken, it is only noted which cells were missed and hit, a bit to each and a patch of 8 x 8 cells at a time.
 /// Then every cell that was is updated, once.
 #[derive(Clone)]
 pub struct ConstantIncrements {
