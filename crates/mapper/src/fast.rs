@@ -20,6 +20,7 @@ mod inputs;
 mod lateral;
 pub(crate) mod lines;
 mod map;
+mod passage;
 mod passing;
 mod reconcile;
 mod scan;

@@ -7,10 +7,11 @@
 use sensor::lanes::{Beams, LANES, Lanes, each};
 use sensor::{Ray, in_lanes};
 
-use crate::fast::budget::{CUT, EVIDENT, LEAPT, LEAST_EVIDENCE, NEGLIGIBLE, OPEN, UNMOVED};
+use crate::fast::budget::{CUT, EVIDENT, LEAST_EVIDENCE, NEGLIGIBLE, OPEN, UNMOVED};
 use crate::fast::inputs::Inputs;
 use crate::fast::lines::Lines;
-use crate::fast::settled;
+use crate::fast::passage::{Passage, Reach};
+use crate::fast::settled::{self, Leaps};
 use crate::fast::sums::{Entry, Sums, words};
 use crate::fast::tail::Tail;
 use crate::fast::tiles::Numbering;
@@ -18,17 +19,6 @@ use crate::fast::trace::{LANDING, Step, Trace, Transition};
 use crate::fast::walk::Place;
 use crate::memory::Held;
 use crate::ray::past_the_map::PastTheMap;
-
-/// How far a ray moves cells.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Reach {
-    /// The last of them.
-    pub(super) last: Place,
-    /// Range at which it leaves that, m.
-    pub(super) end_m: f64,
-    /// Whether it reaches the border of the map.
-    pub(super) whole: bool,
-}
 
 /// What became of a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,23 +29,6 @@ pub(super) enum Outcome {
     Unlikely,
     /// It leapt where it should not have; nothing was added.
     Leapt,
-}
-
-/// Cells that a ray passes without moving them.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Passage {
-    /// Number of the ray.
-    pub(super) ray: u32,
-    /// Where it begins.
-    pub(super) from: Place,
-    /// Whether it passes this cell too, or the ones behind it alone.
-    pub(super) with_first: bool,
-    /// The cell before that and the edge between them; none where the ray begins.
-    pub(super) before: Option<[u32; 2]>,
-    /// Number of the last cell; none where it passes all up to `until_m`.
-    pub(super) last: Option<u32>,
-    /// Range at which it enters no more cells, m.
-    pub(super) until_m: f64,
 }
 
 /// Up to [`LANES`] rays. A buffer to fill again and again.
@@ -73,47 +46,6 @@ pub(super) struct Bundle {
     pub(super) cells: u64,
     /// Number of cells that they leapt over.
     pub(super) skipped: u64,
-}
-
-/// Where rays may leap, and have leapt.
-#[derive(Default)]
-struct Leaps {
-    /// Ranges between which the likelihood is flat, m.
-    flat_m: Lanes<[f64; 2]>,
-    /// The likelihood there.
-    likelihood: Lanes<f32>,
-    /// Probability that a ray ends in cells leapt over.
-    hit: Lanes<f32>,
-    /// Their number.
-    cells: Lanes<u32>,
-    /// The cells leapt over by rays of these lanes.
-    passages: Vec<(usize, Passage)>,
-}
-
-impl Leaps {
-    /// Rays with these readings, on their starts; none may leap where that is not `wanted`.
-    fn start(&mut self, inputs: &Inputs, beams: &Beams, wanted: bool) {
-        self.passages.clear();
-        (self.hit, self.cells, self.flat_m) = ([0.0; LANES], [0; LANES], [[0.0; 2]; LANES]);
-        if !wanted || inputs.others.is_some() {
-            return;
-        }
-        for l in 0..LANES {
-            let (reading, bearing) = (beams.reading[l], beams.bearing_rad[l]);
-            let [from_m, until_m] = inputs.sensor.constant_between(reading, bearing);
-            if from_m < until_m {
-                let mut likelihood = [0.0];
-                let middle_m = 0.5 * (from_m + until_m.min(from_m + 1.0));
-                inputs.sensor.likelihood(reading, bearing, &[middle_m, middle_m], &mut likelihood);
-                (self.flat_m[l], self.likelihood[l]) = ([from_m, until_m], likelihood[0] as f32);
-            }
-        }
-    }
-
-    /// Whether what a ray leapt over was as good as settled, given the evidence for its reading.
-    fn hold(&self, l: usize, evidence: f32) -> bool {
-        self.cells[l] == 0 || self.likelihood[l] <= evidence && self.hit[l] * self.likelihood[l] <= LEAPT * evidence
-    }
 }
 
 /// What is known in front of, and at, the current cell of every ray, weighted with the likelihood of the reading: `W_E`,

@@ -5,9 +5,9 @@ use grid::GridSpec;
 use sensor::lanes::{LANES, Lanes, each};
 use sensor::{Ray, in_lanes};
 
-use crate::fast::bundle::{Passage, Reach};
 use crate::fast::inputs::Inputs;
 use crate::fast::lines::Lines;
+use crate::fast::passage::{Passage, Reach};
 use crate::fast::sums::{Sums, word};
 use crate::fast::tiles::{PATCH, SIDE};
 use crate::fast::walk::Walk;

@@ -13,10 +13,11 @@ use sensor::{Ray, SensorModel};
 
 use crate::belief::lateral::Lateral;
 use crate::belief::prior::Continuity;
-use crate::fast::bundle::{Bundle, Outcome, Passage, Reach};
+use crate::fast::bundle::{Bundle, Outcome};
 use crate::fast::inputs::Inputs;
 use crate::fast::lateral::Layers;
 use crate::fast::map::{Map, summarise};
+use crate::fast::passage::{Passage, Reach};
 use crate::fast::reconcile::Moved;
 use crate::fast::sums::{Sums, word};
 use crate::fast::tiles::Numbering;

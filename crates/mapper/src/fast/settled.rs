@@ -6,9 +6,12 @@
 //! each, of which a patch knows the mean.
 
 use sensor::Ray;
+use sensor::lanes::{Beams, LANES, Lanes};
 
-use crate::fast::budget::SETTLED;
+use crate::fast::budget::{LEAPT, SETTLED};
+use crate::fast::inputs::Inputs;
 use crate::fast::map::Map;
+use crate::fast::passage::Passage;
 use crate::fast::tiles::SIDE;
 use crate::fast::walk::{Place, Walk};
 
@@ -43,4 +46,45 @@ pub(super) fn leap(map: &Map, ray: &Ray, from: Place, until_m: f64) -> Option<Le
         walk.place = next;
     }
     (cells >= FEWEST).then(|| Leap { landing, cells: cells - 1, hazard })
+}
+
+/// Where rays may leap, and have leapt.
+#[derive(Default)]
+pub(super) struct Leaps {
+    /// Ranges between which the likelihood is flat, m.
+    pub(super) flat_m: Lanes<[f64; 2]>,
+    /// The likelihood there.
+    pub(super) likelihood: Lanes<f32>,
+    /// Probability that a ray ends in cells leapt over.
+    pub(super) hit: Lanes<f32>,
+    /// Their number.
+    pub(super) cells: Lanes<u32>,
+    /// The cells leapt over by rays of these lanes.
+    pub(super) passages: Vec<(usize, Passage)>,
+}
+
+impl Leaps {
+    /// Rays with these readings, on their starts; none may leap where that is not `wanted`.
+    pub(super) fn start(&mut self, inputs: &Inputs, beams: &Beams, wanted: bool) {
+        self.passages.clear();
+        (self.hit, self.cells, self.flat_m) = ([0.0; LANES], [0; LANES], [[0.0; 2]; LANES]);
+        if !wanted || inputs.others.is_some() {
+            return;
+        }
+        for l in 0..LANES {
+            let (reading, bearing) = (beams.reading[l], beams.bearing_rad[l]);
+            let [from_m, until_m] = inputs.sensor.constant_between(reading, bearing);
+            if from_m < until_m {
+                let mut likelihood = [0.0];
+                let middle_m = 0.5 * (from_m + until_m.min(from_m + 1.0));
+                inputs.sensor.likelihood(reading, bearing, &[middle_m, middle_m], &mut likelihood);
+                (self.flat_m[l], self.likelihood[l]) = ([from_m, until_m], likelihood[0] as f32);
+            }
+        }
+    }
+
+    /// Whether what a ray leapt over was as good as settled, given the evidence for its reading.
+    pub(super) fn hold(&self, l: usize, evidence: f32) -> bool {
+        self.cells[l] == 0 || self.likelihood[l] <= evidence && self.hit[l] * self.likelihood[l] <= LEAPT * evidence
+    }
 }
