@@ -276,20 +276,10 @@ fn what_is_known_before_decides_what_rays_leap_over() {
     };
     let rays = (0..12).flat_map(|number| (-40..=40).map(move |k| ray(number, k)));
     let folder = with(&(HEAD.to_owned() + &rays.collect::<String>()));
-    let row = |world: &str| {
-        let arguments = [
-            "--scans",
-            "scans.csv",
-            "--sensor",
-            "laser",
-            "--mappers",
-            "visibility",
-            "--world",
-            world,
-            "--repeats",
-            "1",
-        ];
-        let found = json(folder.path(), &[&arguments[..], &["--format", "json"]].concat())["rows"][0].clone();
+    let sensor = ["--scans", "scans.csv", "--sensor", "laser", "--mappers", "visibility", "--repeats", "1"];
+    let arguments = |world: &'static str| [&sensor[..], &["--world", world]].concat();
+    let row = |world: &'static str| {
+        let found = json(folder.path(), &[&arguments(world)[..], &["--format", "json"]].concat())["rows"][0].clone();
         assert_eq!(found["world"], world);
         found
     };
@@ -297,18 +287,7 @@ fn what_is_known_before_decides_what_rays_leap_over() {
         ["unknown", "mixed", "settled"].map(|world| row(world)["cells_skipped"].as_u64().expect("counted"));
     assert_eq!(unknown, 0);
     assert!(mixed < settled, "{mixed} {settled}");
-    let arguments = [
-        "--scans",
-        "scans.csv",
-        "--sensor",
-        "laser",
-        "--mappers",
-        "visibility",
-        "--world",
-        "settled",
-        "--repeats",
-        "1",
-    ];
+    let arguments = arguments("settled");
     let (text, _) = checked(0, &arguments, &speed(folder.path(), &arguments));
     assert!(text.contains("visibility leapt over") && text.lines().all(|line| line.chars().count() <= 80), "{text}");
 }

@@ -3,6 +3,7 @@
 //! | step | equations | where | reference |
 //! |---|---|---|---|
 //! | eight rays cross the grid in lockstep | Section 2.1 | `lines`, `trace` | [`grid::DigitalLine`] |
+//! | ... and leap over what is settled | | `settled`, `walk` | one scan of the reference |
 //! | likelihood of the reading per first occupied cell | (21) | [`sensor::FastKernel::likelihood_lanes`] | [`sensor::Kernel::likelihood`] |
 //! | ... past the last cell | sum to infinity in (7) | `tail` | [`crate::past_the_map`] |
 //! | posterior of every pair | (1)-(7) | `bundle` | [`crate::exact`] |

@@ -44,7 +44,8 @@ pub trait Mapper: Send {
         Work::uncounted(self.occupancy())
     }
 
-    /// Of the cells that [`work`](Self::work) counts, those that rays leapt over together, since nothing was left to learn of them.
+    /// Of the cells that [`work`](Self::work) counts, those that rays leapt over together, since nothing was left to learn of them;
+    /// also where a ray was then taken once more, cell by cell.
     fn skipped(&self) -> u64 {
         0
     }

@@ -237,15 +237,14 @@ impl Bundle {
         moved <= CUT * evidence && clear[l] * spread() <= f64::from(CUT * evidence)
     }
 
-    /// `P(o | O)` of every ray: what the front pass adds up to, and what lies past the last cell. Where that is the
-    /// map, any of its cells does.
+    /// `P(o | O)` of every ray: what the front pass adds up to, and what lies past the last cell, be that the last of the map or
+    /// the one at which the ray was cut.
     fn evidence(&mut self, inputs: &Inputs, first: usize, beams: &Beams, rays: &[Ray]) -> Lanes<f32> {
         let Front { hit_occupied, hit_free, clear } = self.front;
         let clear = clear.map(|clear| clear as f32);
         let Trace { lines, length, .. } = &self.trace;
-        let goes_on = self.cut;
         let nothing = each(|l| OPEN * ((hit_occupied[l] + hit_free[l]) / EVIDENT).min(1.0));
-        let mut wanted: Lanes<bool> = each(|l| length[l] > 0 && clear[l] > nothing[l] && !goes_on[l]);
+        let mut wanted: Lanes<bool> = each(|l| length[l] > 0 && clear[l] > nothing[l] && !self.cut[l]);
         let mut none = [1.0; LANES];
         if let Some(others) = inputs.others {
             none = each(|l| if wanted[l] { others.past_the_map(first + l, lines.entered[l]) } else { 1.0 });
@@ -269,7 +268,7 @@ impl Bundle {
             }
             none = each(|l| if flat[l] { border[l] } else { none[l] });
         }
-        none = each(|l| if goes_on[l] { self.rest[l] } else { none[l] });
+        none = each(|l| if self.cut[l] { self.rest[l] } else { none[l] });
         each(|l| hit_occupied[l] + hit_free[l] + clear[l] * none[l])
     }
 }

@@ -77,6 +77,10 @@ impl Mapper for RangeCut {
         Work { cells, bytes: bytes + scan }
     }
 
+    fn skipped(&self) -> u64 {
+        self.inner.skipped()
+    }
+
     fn leaves_out(&self) -> bool {
         true
     }
