@@ -69,3 +69,14 @@ fn the_type_of_an_array_is_quoted_on_one_line() {
         assert!(message.starts_with(&expected), "{message}");
     }
 }
+
+#[test]
+fn a_palette_that_ends_within_a_colour_is_refused() {
+    // Four pixels of two bits, and a palette of 7 bytes.
+    let image = b"\x89PNG\r\n\x1a\n\x00\x00\x00\x0dIHDR\x00\x00\x00\x04\x00\x00\x00\x01\x02\x03\x00\x00\x00\x84R\xe7^\
+        \x00\x00\x00\x07PLTE\x00\x01\x02\x03\x04\x05\x06\xe9H\x81\x92\
+        \x00\x00\x00\x0aIDATx\x9cc\x90\x06\x00\x00\x1d\x00\x1c\x8e\xf4\xf5!\x00\x00\x00\x00IEND\xaeB`\x82";
+    let read = read_image_from(image, Path::new("m.png"), Coding::default(), 0.05, [0.0; 2]);
+    let message = read.expect_err("no image").to_string();
+    assert!(message.contains("its palette has 7 bytes, and each colour takes three"), "{message}");
+}

@@ -24,6 +24,9 @@ pub(super) fn read<T>(bytes: &[u8], mut of: impl FnMut(Pixel) -> T) -> Result<Pi
             format!("its header promises {width} x {height} pixels, more than {} bytes can hold", bytes.len());
         return Err(Defect::Damaged(None, problem));
     }
+    if reader.info().color_type == ColorType::Indexed {
+        whole_colours(reader.info().palette.as_deref().unwrap_or_default())?;
+    }
     let size = reader.output_buffer_size().ok_or(Defect::Size(width, height))?;
     let mut data = vec![0; size];
     let frame = reader.next_frame(&mut data).map_err(decoding)?;
@@ -49,6 +52,15 @@ pub(super) fn read<T>(bytes: &[u8], mut of: impl FnMut(Pixel) -> T) -> Result<Pi
         }
     };
     Ok(Picture { width: width as usize, height: height as usize, pixels, left_over: 0 })
+}
+
+/// A palette holds three bytes for each colour. The decoder takes that for granted, and panics where one is cut off.
+fn whole_colours(palette: &[u8]) -> Result<(), Defect> {
+    if palette.len().is_multiple_of(3) {
+        return Ok(());
+    }
+    let problem = format!("its palette has {} bytes, and each colour takes three", palette.len());
+    Err(Defect::Damaged(None, problem))
 }
 
 /// map_server averages the opacity in with the colours, which turns opaque grey (unknown) into
