@@ -10,7 +10,7 @@ use rapier2d_f64::prelude::{Ball, ColliderBuilder};
 use sensor::Pose;
 
 use crate::geometry::{distance, minus};
-use crate::{Problem, Scene, SceneError, Shape, Stop, memory};
+use crate::{Motion, Problem, Scene, SceneError, Shape, Stop, memory};
 use course::Course;
 
 /// What the robot keeps between itself and anything else, m.
@@ -35,6 +35,8 @@ pub struct Drive {
     pub poses: Vec<TimedPose>,
     /// Every stage of the scene with the number of scans made when it ends.
     pub stage_ends: Vec<(String, usize)>,
+    /// Where everything that moves was at each of these scans.
+    pub motion: Motion,
 }
 
 /// Drives the scene's route: turns on the spot towards the next stop, then straight there, with a scan
@@ -64,7 +66,7 @@ pub fn drive(scene: &Scene) -> Result<Drive, SceneError> {
             stage_ends.push((stage.name.clone(), course.poses().len()));
         }
     }
-    Ok(Drive { poses: course.into_poses(), stage_ends })
+    Ok(Drive { poses: course.into_poses(), stage_ends, motion: Motion::of(scene) })
 }
 
 /// Direction of the way to the given stop from the one before it, rad.

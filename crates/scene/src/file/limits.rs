@@ -41,6 +41,16 @@ pub const TURN_RATE: Limit =
 pub const INTERVAL: Limit =
     limit(1e-4, 1e4, "a positive time in s, 0.0001 to 10000", "give the time between scans, such as 0.2");
 
+/// How long the robot waits for what is in its way, s.
+pub const PATIENCE: Limit = limit(0.0, 3600.0, "a time in s, 0 to 3600", "give how long it waits, such as 60");
+/// Standard deviation of the recorded place of a robot that stands, m.
+pub const JITTER: Limit = limit(0.0, 0.1, "a length in m, 0 to 0.1", "give a standard deviation such as 0.002");
+/// Standard deviation of the recorded heading of a robot that stands, degrees.
+pub const JITTER_ANGLE: Limit =
+    limit(0.0, 10.0, "an angle in degrees, 0 to 10", "give a standard deviation such as 0.1");
+/// How long the robot stands at a stop, s.
+pub const WAIT: Limit = limit(0.0, 36e3, "a time in s, 0 to 36000", "give how long the robot stands there, such as 10");
+
 /// Sides of a generated place, m.
 pub const SIDE: Limit =
     limit(2.0, 100.0, "two lengths in m, 2 to 100, the least first", "give [least, most], such as [6.0, 8.0]");

@@ -63,7 +63,7 @@ pub(super) fn stops(root: &Table, waypoints: Option<&[Waypoint]>, found: &mut Fi
                 found.add(table.refuse("stop", value, &bound, "leave it out or name another waypoint"));
             }
         }
-        stops.push(Stop { waypoint, place: root.source().place(value.span().start) });
+        stops.push(Stop { waypoint, wait_s: 0.0, place: root.source().place(value.span().start) });
     }
     if let Some(value) = table.get("stops").filter(|_| names.len() < 2) {
         found.add(table.refuse("stops", value, "at least two waypoints", &format!("write it like {example}")));
