@@ -24,7 +24,7 @@ impl MovingRegion {
     pub const ALL: [Self; 4] = [Self::Static, Self::Swept, Self::OccupiedNow, Self::Changed];
 
     /// Name, as in tables and files.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Self::Static => "static",
             Self::Swept => "swept",

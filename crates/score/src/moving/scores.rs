@@ -33,7 +33,7 @@ impl MovingScores {
         [
             (MovingRegion::Static.name(), s.static_accuracy),
             (MovingRegion::Swept.name(), s.dynamic_accuracy),
-            (Region::All.name(), s.harmonic_accuracy),
+            (Region::Observable.name(), s.harmonic_accuracy),
             (MovingRegion::Swept.name(), s.trail_area),
             (MovingRegion::Changed.name(), s.ghost_area),
         ]

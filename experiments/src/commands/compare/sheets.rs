@@ -142,7 +142,7 @@ pub fn drives(rows: &Rows, mappers: &[&str], width: Width) -> [Sheet; 2] {
 fn driven(rows: &Rows, mappers: &[&str], width: Width, caption: &str, metrics: &[&str]) -> Sheet {
     let metrics: Vec<&Criterion> = metrics.iter().filter_map(|metric| criterion(metric)).collect();
     let cell = |mapper: &str, c: &Criterion| {
-        let region = c.region.map_or(OBSERVABLE, Region::name);
+        let region = c.region.unwrap_or(OBSERVABLE);
         let mean =
             rows.mean(ALL, region, mapper, c.metric).map_or_else(|| "-".to_owned(), |m| format!("{m:.*}", c.decimals));
         match rows.difference(ALL, region, mapper, c.metric) {

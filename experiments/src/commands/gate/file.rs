@@ -10,7 +10,7 @@ use strict::{Error, Limit, Table, Value, open, read};
 
 use super::source::GateSource;
 use crate::worlds::condition::{AS_BELIEVED, Condition, DEPARTURES};
-use crate::worlds::criteria::{CRITERIA, Criterion, criterion};
+use crate::worlds::criteria::{CRITERIA, Criterion, criteria, criterion};
 use crate::worlds::scenes::FAMILIES;
 use crate::worlds::scenes::path_of;
 use crate::worlds::site::{MICROMETRES, WorldId};
@@ -170,12 +170,12 @@ fn gate(table: &Table, known: &[Entry], sites: &mut BTreeMap<String, GateSource>
     let name = table.name("name")?;
     let mappers: Vec<&str> = known.iter().map(|entry| entry.name).collect();
     let mapper = one_of(table, "mapper", &mappers, None)?;
-    let metrics: Vec<&str> = CRITERIA.iter().map(|criterion| criterion.metric).collect();
+    let metrics: Vec<&str> = criteria().map(|criterion| criterion.metric).collect();
     let metric = one_of(table, "metric", &metrics, None)?;
     let criterion = criterion(metric).unwrap_or(&CRITERIA[0]); // found: it is one of them
     let (worlds, regions) = worlds(table, sites)?;
     let regions: Vec<&str> = regions.iter().map(String::as_str).collect();
-    let usual = criterion.region.unwrap_or(Region::Observable).name();
+    let usual = criterion.region.unwrap_or(Region::Observable.name());
     let region = one_of(table, "region", &regions, Some(usual))?;
     if !criterion.is_of(region) {
         let bound = format!("left out or {usual:?} with {metric}, which is of the whole world");
