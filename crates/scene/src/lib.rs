@@ -24,6 +24,7 @@ mod family;
 mod file;
 mod floor_plan;
 mod from_map;
+mod gap;
 mod generate;
 mod geometry;
 mod load;

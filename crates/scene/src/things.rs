@@ -1,6 +1,17 @@
 //! What moves in a scene, as its file describes it: people, doors and chairs.
 
+use rand::RngExt as _;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng as _;
+
 use crate::{Origin, Shape};
+
+/// Stream of the motion seed from which the first door's chances are drawn; the others follow below it. Far from the streams
+/// of readings and layouts, should a motion seed be theirs too.
+const DOORS: u64 = u64::MAX - (1 << 32);
+
+/// A chance takes two words of the stream.
+const WORDS_PER_PERIOD: u128 = 4;
 
 /// Something that walks: a person, a cart. It keeps its orientation.
 #[derive(Debug, Clone, PartialEq)]
@@ -129,6 +140,12 @@ pub enum Due {
 }
 
 impl Door {
+    /// Its angle at the start, rad.
+    pub(crate) fn angle_at_start(&self, seed: u64) -> f64 {
+        let door = self.origin.number as u64 - 1;
+        if self.opening.wants_open(0.0, 0, seed, door) { self.open_rad } else { self.closed_rad }
+    }
+
     /// The leaf at an angle (rad).
     pub fn leaf(&self, angle_rad: f64) -> Shape {
         let (sin, cos) = libm::sincos(angle_rad);
@@ -137,6 +154,24 @@ impl Door {
             center_m: [self.hinge_m[0] + half * cos, self.hinge_m[1] + half * sin],
             half_m: [half, 0.5 * self.thickness_m],
             axis: [cos, sin],
+        }
+    }
+}
+
+impl Opening {
+    /// Whether the door is to be open at a time of the drive (s), while the robot drives a stage. `seed` and `door`, its
+    /// number from 0, fix the chances.
+    pub(crate) fn wants_open(&self, time_s: f64, stage: usize, seed: u64, door: u64) -> bool {
+        match self {
+            Self::Times(times) => times.iter().any(|[from, to]| (*from..*to).contains(&time_s)),
+            Self::Stages(stages) => stages.contains(&stage),
+            Self::Chance { period_s, chance } => {
+                let period = (time_s / period_s).floor().max(0.0) as u128;
+                let mut rng = ChaCha8Rng::seed_from_u64(seed);
+                rng.set_stream(DOORS - door);
+                rng.set_word_pos(period * WORDS_PER_PERIOD);
+                rng.random::<f64>() < *chance
+            }
         }
     }
 }
