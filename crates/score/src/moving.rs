@@ -89,14 +89,13 @@ impl Moving {
 
     /// Whether a cell belongs to a region.
     pub fn contains(&self, region: MovingRegion, cell: usize) -> bool {
-        let (now, Course { covered, known, changed, .. }) = (self.now[cell], self.cells[cell]);
-        known
-            && match region {
-                MovingRegion::Static => !covered,
-                MovingRegion::Swept => covered && now == Some(false),
-                MovingRegion::OccupiedNow => covered && now == Some(true),
-                MovingRegion::Changed => changed,
-            }
+        let (now, Course { covered, found, known, changed }) = (self.now[cell], self.cells[cell]);
+        match region {
+            MovingRegion::Static => known && !covered,
+            MovingRegion::Swept => found.is_some() && covered && now == Some(false),
+            MovingRegion::OccupiedNow => known && covered && now == Some(true),
+            MovingRegion::Changed => known && changed,
+        }
     }
 
     /// The cells of a region.
@@ -142,10 +141,12 @@ mod tests {
             (&["."], "-", "nobody has looked"),
             (&["c"], "-", "nobody has looked at what covers it"),
             (&["b"], "o", "covered and hit"),
-            (&["b", "."], "-", "free again, which nobody can know"),
+            (&["b", "."], "w", "free again, and nobody has looked since"),
             (&["b", "l"], "W", "free again, and looked at since"),
             (&["c", "l"], "w", "no look found it covered: swept, and not changed"),
-            (&["l", "c", "."], "-", "the look was at the state before"),
+            (&["c", "."], "-", "no look at all"),
+            (&["l", "c", "."], "w", "a look before it came is one"),
+            (&["l", "c"], "-", "the look was at the state before"),
             (&["l", "c", "l"], "w", "two looks found the same"),
             (&["l", "b"], "O", "two looks found different states"),
             (&["l", "b", "c"], "O", "what was known stays known while it lasts"),

@@ -1,7 +1,7 @@
 //! What is compared, which way is better, and which differences do not matter.
 
 use score::Better::{self, Higher, Lower};
-use score::{MovingRegion, Region};
+use score::MovingRegion;
 
 use super::drives;
 
@@ -82,7 +82,7 @@ const fn judged(
 pub const MOVING: [Criterion; 8] = [
     of_movement("static_accuracy", "static", "1", 3, Some((Higher, 0.005)), MovingRegion::Static.name()),
     of_movement("dynamic_accuracy", "dynamic", "1", 3, Some((Higher, 0.01)), MovingRegion::Swept.name()),
-    of_movement("harmonic_accuracy", "harmonic", "1", 3, Some((Higher, 0.005)), Region::Observable.name()),
+    of_movement("harmonic_accuracy", "harmonic", "1", 3, Some((Higher, 0.005)), MovingRegion::Swept.name()),
     of_movement("trail_area", "trail", "m²", 2, Some((Lower, 0.02)), MovingRegion::Swept.name()),
     of_movement("ghost_area", "ghost", "m²", 2, Some((Lower, 0.02)), MovingRegion::Changed.name()),
     of_movement("lag_looks", "lag", "looks", 2, Some((Lower, 0.5)), MovingRegion::Changed.name()),

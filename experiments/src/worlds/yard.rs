@@ -1,16 +1,18 @@
-//! Where drives that were planned on a map are driven: the world as it stands at one moment.
+//! Where drives that were planned on a map are driven: the world as it stands at one moment, without people.
+//!
+//! People have walked on before a planned drive comes to where they were; doors and chairs are still there.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use scene::{Obstacle, Scene, World};
+use scene::{Obstacle, Scene, ThingKind, World};
 use score::navigation::{Navigation, Planning};
 
 use super::run::Ground;
 
 /// The world at a moment, and the drives that are asked for in it.
 pub struct Yard {
-    /// The pairs of places, drawn from the truth of the moment.
+    /// The pairs of places, drawn from what stands there.
     pub navigation: Navigation,
     /// What stands in the way, where that is more than the obstacles of the scene.
     stopped: Option<World>,
@@ -31,9 +33,11 @@ impl Yards {
 
 impl Yard {
     fn after(scans: usize, ground: &Ground, planning: Planning) -> Self {
-        let truth = ground.truth_after(scans);
-        let stopped = ground.moves().then(|| World::new(&stopped(scans, ground)));
-        Self { navigation: Navigation::new(&truth, planning), stopped }
+        if !ground.moves() {
+            return Self { navigation: Navigation::new(ground.still(), planning), stopped: None };
+        }
+        let scene = stopped(scans, ground);
+        Self { navigation: Navigation::new(&scene::truth(&scene), planning), stopped: Some(World::new(&scene)) }
     }
 
     /// What stands in the way.
@@ -42,16 +46,16 @@ impl Yard {
     }
 }
 
-/// The scene with everything that moves standing where it was at the last of so many scans.
+/// The scene with its doors and chairs as they stood at the last of so many scans, at least one.
 fn stopped(scans: usize, ground: &Ground) -> Scene {
     let mut scene = ground.scene.clone();
-    if let Some(scan) = scans.checked_sub(1).filter(|_| ground.moves()) {
-        let motion = &ground.drive.motion;
-        scene.obstacles.extend(motion.shapes_at(scan).map(|(thing, shape)| Obstacle {
-            shape: shape.clone(),
-            texture: motion.texture(thing),
-            origin: motion.origin(thing).clone(),
-        }));
-    }
+    let motion = &ground.drive.motion;
+    let standing =
+        motion.shapes_at(scans.saturating_sub(1)).filter(|(thing, _)| motion.kind(*thing) != ThingKind::Person);
+    scene.obstacles.extend(standing.map(|(thing, shape)| Obstacle {
+        shape: shape.clone(),
+        texture: motion.texture(thing),
+        origin: motion.origin(thing).clone(),
+    }));
     scene
 }

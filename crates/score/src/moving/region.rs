@@ -4,14 +4,15 @@ use serde::Serialize;
 
 /// A part of the map of a world in which things move, by geometry and looks alone, as [`Region`](crate::Region).
 ///
-/// Each holds only cells that a look has found in their present state: of a cell whose state has changed since it was last looked at no
-/// map can know, and it is in none of them. The first three share out those cells, in which something is known.
+/// All but [`Swept`](Self::Swept) hold only cells that a look has found in their present state: of what has come since, no map can know. That what
+/// moves will go on, a map can know. No cell is in two of the first three.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum MovingRegion {
     /// No moving thing has covered it at any scan so far; free, or a wall.
     Static,
-    /// Some moving thing has covered it at a scan so far; free now.
+    /// Some moving thing has covered it at a scan so far; free now, whether or not anybody has looked since. Some look has found it, in whatever state: of the
+    /// others a map says what it says of everything.
     Swept,
     /// A moving thing covers it now.
     OccupiedNow,

@@ -7,7 +7,7 @@ use super::ghost::largest_patch;
 use super::{Moving, MovingRegion};
 use crate::error::{probabilities, same_cells};
 use crate::threshold::HELD_OCCUPIED;
-use crate::{Metric, Region, ScoreError};
+use crate::{Metric, ScoreError};
 
 /// The metrics of one map that only a world that moves has. A map holds a cell right where p > 0.5 and it is occupied, or p < 0.5 and it is
 /// free; a map that says 0.5 says nothing, and is right nowhere.
@@ -33,7 +33,7 @@ impl MovingScores {
         [
             (MovingRegion::Static.name(), s.static_accuracy),
             (MovingRegion::Swept.name(), s.dynamic_accuracy),
-            (Region::Observable.name(), s.harmonic_accuracy),
+            (MovingRegion::Swept.name(), s.harmonic_accuracy),
             (MovingRegion::Swept.name(), s.trail_area),
             (MovingRegion::Changed.name(), s.ghost_area),
         ]
