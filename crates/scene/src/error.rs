@@ -152,7 +152,8 @@ pub enum Problem {
 /// Metres to the millimetre where that says enough, so that messages stay readable.
 pub(crate) fn metres(value: &f64) -> String {
     let rounded = (value * 1e3).round() / 1e3;
-    if rounded.abs() > 0.0 { format!("{rounded}") } else { format!("{value:e}") }
+    let digits = || format!("{value:.2e}").parse().map_or_else(|_| value.to_string(), |few: f64| format!("{few:e}"));
+    if rounded.abs() > 0.0 { format!("{rounded}") } else { digits() }
 }
 
 fn point(at: [f64; 2]) -> String {
