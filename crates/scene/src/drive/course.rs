@@ -10,7 +10,7 @@ use crate::Robot;
 use crate::geometry::{distance, minus};
 
 /// Times nearer than this are the same moment, s.
-const MOMENT_S: f64 = 1e-9;
+pub(super) const MOMENT_S: f64 = 1e-9;
 
 /// Who else is there while the robot drives.
 pub(super) trait Others {

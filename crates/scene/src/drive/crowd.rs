@@ -12,6 +12,7 @@ use walker::Walker;
 
 pub(super) use room::Who;
 
+use super::course::MOMENT_S;
 use crate::geometry::distance;
 use crate::{Motion, Scene, Shape};
 
@@ -138,13 +139,15 @@ impl<'a> Crowd<'a> {
     fn step(&mut self, time_s: f64) {
         let dt_s = time_s - self.time_s;
         self.time_s = time_s;
+        // What is due now is due, whatever rounding says.
+        let due_s = time_s + MOMENT_S;
         let stage = self.ended_stages.min(self.scene.stages.len() - 1);
         for (k, leaf) in self.leaves.iter_mut().enumerate() {
-            let open = self.scene.doors[k].opening.wants_open(time_s, stage, self.scene.motion_seed, k as u64);
+            let open = self.scene.doors[k].opening.wants_open(due_s, stage, self.scene.motion_seed, k as u64);
             leaf.swing(open, dt_s, &mut self.room);
         }
         for seat in &mut self.seats {
-            seat.rearrange(time_s, self.ended_stages, &mut self.room);
+            seat.rearrange(due_s, self.ended_stages, &mut self.room);
         }
         for walker in &mut self.walkers {
             walker.walk(time_s, dt_s, &self.passing, &self.trail, &mut self.room);
@@ -167,3 +170,6 @@ impl super::course::Others for Crowd<'_> {
         self.motion.add(walkers.chain(&leaves).chain(self.seats.iter().map(Seat::shape)));
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -98,7 +98,7 @@ fn named_stops<'a>(
             continue;
         };
         let stop = Table::new(table.source(), &format!("[route] stop {}", k + 1), item.span().start, entries);
-        found.only(&stop, &["at", "wait_s"]);
+        found.only(&stop, &["wait_s", "at"]);
         let wait_s = found.take(stop.optional_number("wait_s", &WAIT)).flatten().unwrap_or(0.0);
         match stop.get("at").map(|at| (at, at.get_ref().as_str())) {
             Some((at, Some(name))) => stops.push((name, at, wait_s)),

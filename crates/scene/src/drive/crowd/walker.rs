@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
 
 use super::room::{Among, Piece, Room, Who};
-use super::{Passing, Trail};
+use super::{BEFORE_PEOPLE_M, Passing, Trail};
 use crate::geometry::{cross, distance, dot, minus};
 use crate::{Behaviour, Mover, Repeat, Shape};
 
@@ -214,7 +214,10 @@ impl<'a> Walker<'a> {
         let (along_m, off_m) = (dot(from_robot, heading), cross(heading, from_robot));
         let both_m = robot.radius_m + self.reach_m;
         let needed_m = both_m + ASIDE_M;
-        if along_m < 0.0 || along_m > robot.left_m.min(BEFORE_ROBOT_M) + both_m || off_m.abs() >= needed_m {
+        if along_m < 0.0
+            || along_m > robot.left_m.min(BEFORE_ROBOT_M) + both_m + BEFORE_PEOPLE_M + THERE_M
+            || off_m.abs() >= needed_m
+        {
             return None;
         }
         let left = [-heading[1], heading[0]];
