@@ -29,6 +29,13 @@ const ROUND_RAD: [f64; 6] = [-0.45, 0.45, -0.9, 0.9, -1.35, 1.35];
 const ASIDE_M: f64 = 0.15;
 const BEFORE_ROBOT_M: f64 = 1.5;
 
+/// When the robot has waited for so long, s, who is in its way leaves by any way that is free.
+const ROBOT_WAITS_S: f64 = 2.0;
+
+/// Ways that one looks at who leaves like that, and how far it looks, m.
+const WAYS_OUT: u32 = 12;
+const OUT_M: f64 = 2.0;
+
 /// One that has come no farther for so long does something else, s.
 const STUCK_S: f64 = 1.5;
 
@@ -56,6 +63,8 @@ pub(super) struct Walker<'a> {
     /// Another goal until a time, s: out of a jam.
     detour: Option<([f64; 2], f64)>,
     stuck_s: f64,
+    /// The way on which it leaves the robot's, until a time, s.
+    flight: Option<([f64; 2], f64)>,
 }
 
 impl<'a> Walker<'a> {
@@ -79,6 +88,7 @@ impl<'a> Walker<'a> {
             paused: true,
             detour: None,
             stuck_s: 0.0,
+            flight: None,
         }
     }
 
@@ -89,8 +99,18 @@ impl<'a> Walker<'a> {
     /// Walks for `dt_s` up to `time_s`.
     pub(super) fn walk(&mut self, time_s: f64, dt_s: f64, robot: &Passing, trail: &Trail, room: &mut Room) {
         let most_m = self.mover.speed_m_s * dt_s;
+        if let Some((way, until_s)) = self.flight {
+            if time_s < until_s && self.go(way, most_m, room) > 0.0 {
+                return;
+            }
+            self.flight = None;
+        }
         if let Some(aside) = self.aside(robot, room) {
-            self.go(aside, most_m, room);
+            if robot.waits_s > ROBOT_WAITS_S {
+                let (way, free_m) = self.way_out(room);
+                self.flight = Some((way, time_s + free_m / self.mover.speed_m_s));
+            }
+            self.go(self.flight.map_or(aside, |(way, _)| way), most_m, room);
             return;
         }
         let Some(goal_m) = self.goal(time_s, trail, room) else {
@@ -239,6 +259,21 @@ impl<'a> Walker<'a> {
             *ways.iter().max_by(longest).unwrap_or(&ways[0])
         });
         Some(way)
+    }
+
+    /// A long free way from where it stands, and how long it is, m: drawn, so that who comes into a corner also comes out of it.
+    fn way_out(&mut self, room: &Room) -> ([f64; 2], f64) {
+        let first_rad = std::f64::consts::TAU * self.rng.random::<f64>();
+        let mut best = ([1.0, 0.0], 0.0, 0.0);
+        for k in 0..WAYS_OUT {
+            let (sin, cos) = libm::sincos(first_rad + std::f64::consts::TAU * f64::from(k) / f64::from(WAYS_OUT));
+            let (free_m, _) = room.reach(self.piece, [cos, sin], OUT_M, Among::All);
+            let liking = free_m * (0.5 + self.rng.random::<f64>());
+            if liking > best.2 {
+                best = ([cos, sin], free_m, liking);
+            }
+        }
+        (best.0, best.1)
     }
 
     /// Leaves a jam: lets a point be that is near enough, or goes back for a while.
