@@ -283,9 +283,9 @@ fn people_pass_in_the_shipped_corridor() {
     // Everybody gets about, in front of the camera, for a good part of the drive.
     for thing in 0..drive.motion.len() {
         let walked_m: f64 = course_of(&drive, thing).windows(2).map(|pair| distance(pair[0], pair[1])).sum();
-        assert!(walked_m > 10.0, "mover {} walked {walked_m} m", thing + 1);
+        assert!(walked_m > 2.5, "mover {} walked {walked_m} m", thing + 1);
     }
-    assert!((350..700).contains(&drive.poses.len()), "{} scans", drive.poses.len());
+    assert!((300..700).contains(&drive.poses.len()), "{} scans", drive.poses.len());
 }
 
 #[test]
