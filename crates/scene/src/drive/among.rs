@@ -7,7 +7,7 @@ use crate::geometry::{distance, minus};
 use crate::{Problem, Scene, SceneError};
 
 /// A longer drive, s, takes too many steps.
-const LONGEST_S: f64 = 36_000.0;
+pub(super) const LONGEST_S: f64 = 36_000.0;
 
 /// A robot that gets on by less in a step, m, stands.
 const STANDS_M: f64 = 1e-6;
