@@ -128,7 +128,9 @@ impl Leg {
             Some(Who::Thing(thing)) => {
                 self.before = Some(thing);
                 if thing < people && self.stood_s > self.back_at_s {
-                    (self.back_m, self.hold_s) = (BACK_M.min(self.gone_m), HOLD_S);
+                    // Farther every time.
+                    let times = libm::floor(self.stood_s / BACK_AFTER_S);
+                    (self.back_m, self.hold_s) = ((BACK_M * times).min(self.gone_m), HOLD_S);
                     self.back_at_s = self.stood_s + BACK_AFTER_S;
                 }
             }
