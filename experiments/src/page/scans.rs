@@ -46,15 +46,19 @@ impl Scans {
             line.trace(truth.spec(), scan.pose.position_m(), scan.pose.direction(bearing), hit + NUDGE_M);
             TrueRay { range_m, reach: reach(&line, hit, truth) }
         };
-        let of_scan = |(number, simulated): (usize, &SimulatedScan)| {
+        // From where the robot truly stood: the recorded pose may jitter.
+        let scans: Vec<(Scan, &SimulatedScan)> = (ground.drive.poses.iter().zip(scans))
+            .map(|(timed, simulated)| (Scan { pose: timed.pose, ..simulated.scan.clone() }, simulated))
+            .collect();
+        let of_scan = |(number, (scan, simulated)): (usize, &(Scan, &SimulatedScan))| {
             let truth = ground.truth_after(number + 1);
-            let rays = simulated.scan.bearings_rad.iter().zip(&simulated.true_ranges_m);
-            rays.map(|(bearing, range_m)| ray(&simulated.scan, *bearing, *range_m, &truth)).collect()
+            let rays = scan.bearings_rad.iter().zip(&simulated.true_ranges_m);
+            rays.map(|(bearing, range_m)| ray(scan, *bearing, *range_m, &truth)).collect()
         };
         Self {
             unit: ReadingUnit::Disparity(ground.scene.matcher.stereo.focal_baseline),
             truth: Some(scans.iter().enumerate().map(of_scan).collect()),
-            scans: scans.iter().map(|simulated| simulated.scan.clone()).collect(),
+            scans: scans.into_iter().map(|(scan, _)| scan).collect(),
         }
     }
 }

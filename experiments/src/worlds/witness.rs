@@ -45,11 +45,11 @@ impl Witness {
             movement.moving.moved(&movement.covered)?;
             self.seen.set_truth(movement.moving.truth())?;
             let mut alone = Sightings::new(movement.moving.truth());
-            sights(simulated).for_each(|sight| alone.add(&sight));
+            sights(ground, scan, simulated).for_each(|sight| alone.add(&sight));
             movement.moving.looked(&alone.mask(Region::Observable))?;
             movement.near = alone.seen_within(NEAR_LOOK_M);
         }
-        sights(simulated).for_each(|sight| self.seen.add(&sight));
+        sights(ground, scan, simulated).for_each(|sight| self.seen.add(&sight));
         Ok(())
     }
 
@@ -59,8 +59,111 @@ impl Witness {
     }
 }
 
-/// The rays of a scan without its noise.
-fn sights(simulated: &SimulatedScan) -> impl Iterator<Item = Sight> + '_ {
-    let rays = simulated.scan.rays().zip(&simulated.true_ranges_m);
-    rays.map(|(ray, &range_m)| Sight { origin_m: ray.origin_m, direction: ray.direction, range_m })
+/// The rays of a scan without its noise, from where the robot truly stood: the recorded pose may jitter.
+fn sights<'a>(ground: &Ground, scan: usize, simulated: &'a SimulatedScan) -> impl Iterator<Item = Sight> + use<'a> {
+    let pose = ground.drive.poses[scan].pose;
+    let rays = simulated.scan.bearings_rad.iter().zip(&simulated.true_ranges_m);
+    rays.map(move |(&bearing, &range_m)| Sight {
+        origin_m: pose.position_m(),
+        direction: pose.direction(bearing),
+        range_m,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    use scene::Scene;
+    use score::MovingRegion;
+
+    /// A room in which somebody walks to and fro before a robot that stands, and whose recorded pose jitters.
+    const STANDING: &str = r#"
+name = "standing"
+[bounds]
+min = [0.0, 0.0]
+max = [4.0, 3.0]
+[grid]
+cell = 0.1
+[[wall]]
+from = [0.05, 0.05]
+to = [3.95, 0.05]
+thickness = 0.1
+[[wall]]
+from = [3.95, 0.05]
+to = [3.95, 2.95]
+thickness = 0.1
+[[wall]]
+from = [3.95, 2.95]
+to = [0.05, 2.95]
+thickness = 0.1
+[[wall]]
+from = [0.05, 2.95]
+to = [0.05, 0.05]
+thickness = 0.1
+[[mover]]
+radius = 0.2
+route = [[2.5, 0.6], [2.5, 2.4]]
+speed_m_s = 0.6
+repeat = "back_and_forth"
+[waypoints]
+A = [0.6, 1.5]
+B = [0.9, 1.5]
+[route]
+stops = ["A", { at = "B", wait_s = 12.0 }]
+[camera]
+columns = 40
+field_of_view_deg = 90.0
+[robot]
+radius = 0.15
+speed = 0.5
+jitter_m = 0.01
+jitter_deg = 0.5
+"#;
+
+    fn ground() -> Ground {
+        let scene = Scene::parse(STANDING, Path::new("standing.toml"), None).expect("a scene");
+        Ground::new(scene, 0.1).expect("a drive")
+    }
+
+    #[test]
+    fn what_could_be_seen_does_not_depend_on_recorded_poses() {
+        let ground = ground();
+        let simulation = scene::simulate(&ground.scene, &ground.world, &ground.drive, 1);
+        let jitters = simulation.scans.iter().zip(&ground.drive.poses).filter(|(s, timed)| s.scan.pose != timed.pose);
+        assert!(jitters.count() > 30, "the recorded pose jitters");
+        let mut witness = Witness::new(&ground);
+        for (number, scan) in simulation.scans.iter().enumerate() {
+            witness.look(&ground, number, scan).expect("of this ground");
+            assert_eq!(*witness.truth(&ground), *ground.truth_after(number + 1));
+        }
+        assert_eq!(witness.seen.hits_without_surface(), 0);
+        assert_eq!(*witness.truth(&ground), ground.truth);
+        let moving = &witness.movement.as_ref().expect("somebody walks").moving;
+        for region in [MovingRegion::Static, MovingRegion::Swept, MovingRegion::Changed] {
+            assert!(moving.mask(region).values().iter().any(|inside| *inside), "{region:?}");
+        }
+        // Nothing of this hangs on the seed of the readings.
+        let other = scene::simulate(&ground.scene, &ground.world, &ground.drive, 2);
+        let mut again = Witness::new(&ground);
+        for (number, scan) in other.scans.iter().enumerate() {
+            again.look(&ground, number, scan).expect("of this ground");
+        }
+        assert_eq!(again.seen.looks(), witness.seen.looks());
+    }
+
+    #[test]
+    fn fewer_scans_keep_what_moved_at_them() {
+        let (all, all_again) = (ground(), ground());
+        let kept = [3, 17, 40];
+        let few = all_again.with_scans(&kept);
+        assert_eq!(few.scans(), 3);
+        for (number, scan) in kept.into_iter().enumerate() {
+            assert_eq!(few.covered_at(number), all.covered_at(scan));
+            assert_eq!(*few.truth_after(number + 1), *all.truth_after(scan + 1));
+        }
+        assert_eq!(few.truth, *all.truth_after(41));
+        assert_eq!(few.still(), all.still());
+    }
 }
