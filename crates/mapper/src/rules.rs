@@ -3,6 +3,7 @@
 pub(crate) mod climb;
 pub(crate) mod continuous_ray;
 pub(crate) mod conventional;
+pub(crate) mod dynamic;
 pub(crate) mod forward_em;
 pub(crate) mod hit_count;
 pub(crate) mod log_odds;
