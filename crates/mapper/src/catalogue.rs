@@ -1,6 +1,7 @@
 //! Every mapper by name.
 
 use crate::belief::lateral::Lateral;
+use crate::belief::renewal::Renewal;
 use crate::fast::visibility::FastVisibility;
 use crate::fit::{Candidate, Fit, Fitted, Setting};
 use crate::mapper::Mapper;
@@ -14,6 +15,7 @@ use crate::rules::log_odds::{ConstantIncrements, LogOdds};
 use crate::rules::mrf::{Field, Mrf};
 use crate::rules::no_occlusion::NoOcclusion;
 use crate::rules::range_cut::{ConventionalCut, RangeCut};
+use crate::rules::repeats::{OnlyNews, Repeats};
 use crate::rules::signed_distance::{SignedDistance, SignedDistances};
 use crate::rules::unseen::Unseen;
 use crate::rules::visibility::Visibility;
@@ -74,6 +76,16 @@ pub const MAPPERS: &[Entry] = &[
         source: "Eqs. (1)-(7), (18)-(20); Rabiner 1989; Jeffrey 1965",
         kind: Kind::Online,
         build: &|model| Box::new(FastVisibility::lateral(model, Lateral::default())),
+    },
+    Entry {
+        name: "visibility-dynamic",
+        summary: "the paper's method where people, doors and chairs move, and the robot may stand",
+        source: "Eqs. (1)-(7), (18)-(20); Meyer-Delius et al. 2012; Kish 1965",
+        kind: Kind::Online,
+        build: &|model| {
+            let mapper = FastVisibility::dynamic(model, Renewal::CHOSEN);
+            Box::new(OnlyNews::new(Box::new(mapper), model, Repeats::CHOSEN))
+        },
     },
     Entry {
         name: "visibility-reference",

@@ -12,6 +12,8 @@ pub mod no_occlusion;
 pub(crate) mod odds_map;
 pub(crate) mod range_cut;
 pub(crate) mod readings;
+pub(crate) mod repeats;
+pub(crate) mod shown;
 pub(crate) mod signed_distance;
 pub(crate) mod sweep;
 pub(crate) mod unseen;
