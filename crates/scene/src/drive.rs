@@ -1,6 +1,8 @@
 //! Driving the route, by rapier: the robot is a kinematic character that stops at what it touches.
 
+mod among;
 pub(crate) mod course;
+mod crowd;
 
 use rapier2d_f64::control::{CharacterLength, KinematicCharacterController};
 use rapier2d_f64::math::{Pose2, Rot2, Vec2};
@@ -10,8 +12,8 @@ use rapier2d_f64::prelude::{Ball, ColliderBuilder};
 use sensor::Pose;
 
 use crate::geometry::{distance, minus};
-use crate::{Problem, Scene, SceneError, Shape, Stop, memory};
-use course::Course;
+use crate::{Motion, Problem, Scene, SceneError, Shape, Stop, memory};
+use course::{Course, Nobody};
 
 /// What the robot keeps between itself and anything else, m.
 pub(crate) const CLEARANCE_M: f64 = 1e-3;
@@ -35,17 +37,24 @@ pub struct Drive {
     pub poses: Vec<TimedPose>,
     /// Every stage of the scene with the number of scans made when it ends.
     pub stage_ends: Vec<(String, usize)>,
+    /// Where everything that moves was at each of these scans.
+    pub motion: Motion,
 }
 
-/// Drives the scene's route: turns on the spot towards the next stop, then straight there, with a scan
-/// at the start, every scan interval, and on arrival at the end of each stage, from which the
-/// interval counts anew.
+/// Drives the scene's route: turns on the spot towards the next stop, then straight there, and stands as long as the stop
+/// says, with a scan at the start, every scan interval, and at the end of each stage, from which the interval counts anew.
+///
+/// What moves is moved meanwhile: it gives way to the robot, and the robot stands where it does not. All of this follows
+/// from the scene alone.
 ///
 /// # Errors
-/// [`Problem::Blocked`] where the robot touches something; [`Problem::TooLong`] for a drive
-/// without a sensible end.
+/// [`Problem::Blocked`] where the robot touches an obstacle; [`Problem::Jammed`] where something that moves stays in its way;
+/// [`Problem::TooLong`] and [`Problem::TooLongAmong`] for a drive without a sensible end.
 pub fn drive(scene: &Scene) -> Result<Drive, SceneError> {
     refuse_endless(scene)?;
+    if scene.moves() {
+        return among::drive(scene);
+    }
     let world = obstacles(scene);
     let robot = scene.robot;
     let mut course = Course::start(scene.waypoint_of(0).at_m, heading(scene, 1), robot.scan_interval_s);
@@ -53,18 +62,19 @@ pub fn drive(scene: &Scene) -> Result<Drive, SceneError> {
     for arrived in 1..=scene.stops.len() {
         // Stage ends come on arrival; the first stop is where the robot starts.
         if arrived > 1 {
-            course.turn(heading(scene, arrived - 1), robot.turn_rate_rad_s);
+            course.turn(heading(scene, arrived - 1), robot.turn_rate_rad_s, &mut Nobody);
             let to = scene.waypoint_of(arrived - 1).at_m;
             course.straight(to, robot.speed_m_s, |from, wish| {
                 step(scene, &world, from, wish).map_err(|touch| blocked(scene, arrived - 1, &touch))
             })?;
         }
+        course.stand(scene.stops[arrived - 1].wait_s, &mut Nobody);
         for stage in scene.stages.iter().filter(|stage| stage.stops == arrived) {
-            course.scan_on_arrival();
+            course.scan_on_arrival(&mut Nobody);
             stage_ends.push((stage.name.clone(), course.poses().len()));
         }
     }
-    Ok(Drive { poses: course.into_poses(), stage_ends })
+    Ok(Drive { poses: course.into_poses(), stage_ends, motion: Motion::default() })
 }
 
 /// Direction of the way to the given stop from the one before it, rad.
@@ -76,9 +86,10 @@ fn heading(scene: &Scene, stop: usize) -> f64 {
 /// Estimates the number of scans, so that a slip of the pen is not simulated for hours.
 fn refuse_endless(scene: &Scene) -> Result<(), SceneError> {
     let robot = scene.robot;
-    let mut time_s = 0.0;
+    let mut time_s = scene.stops[0].wait_s;
     for stop in 1..scene.stops.len() {
         time_s += distance(scene.waypoint_of(stop - 1).at_m, scene.waypoint_of(stop).at_m) / robot.speed_m_s;
+        time_s += scene.stops[stop].wait_s;
         if stop > 1 {
             time_s +=
                 course::turn_between(heading(scene, stop - 1), heading(scene, stop)).abs() / robot.turn_rate_rad_s;
@@ -86,7 +97,9 @@ fn refuse_endless(scene: &Scene) -> Result<(), SceneError> {
     }
     let scans = time_s / robot.scan_interval_s + scene.stages.len() as f64 + 1.0;
     let columns = scene.camera.columns;
-    let bytes = scans * columns as f64 * memory::BYTES_PER_RAY as f64;
+    let things = scene.movers.len() + scene.doors.len() + scene.chairs.len();
+    let per_scan = columns as u64 * memory::BYTES_PER_RAY + things as u64 * memory::BYTES_PER_THING;
+    let bytes = scans * per_scan as f64;
     let available = memory::available();
     if scans <= MOST_SCANS as f64 && bytes <= available as f64 {
         return Ok(());

@@ -119,15 +119,41 @@ pub enum Problem {
     /// A route that would never end.
     #[error("[route]: about {scans:.3e} scans of {columns} columns: must be at most {limit} scans whose readings fit the {} that are free; drive faster, shorten the route, or scan less often", size(.available))]
     TooLong { scans: f64, columns: usize, limit: usize, available: u64 },
+    /// A name of no stage.
+    #[error("{element}: no stage `{name}`{hint}; known stages: {known}")]
+    UnknownStage { element: String, name: String, hint: String, known: String },
+    /// Something that moves is, at its start or later, where something else is.
+    #[error("{element}: {what} {} {other}: must be at least {} m away; move one of them", gap(.distance_m), metres(.needed_m))]
+    Touches { element: String, what: String, other: String, distance_m: f64, needed_m: f64 },
+    /// A mover's way that leads through an obstacle.
+    #[error("{element}: the way {} -> {} leads {} {other}: must keep {} m from every obstacle (the mover's reach and {} m to spare); move a point, or add one that leads round it", point(*.from), point(*.to), gap(.distance_m), metres(.needed_m), metres(.spare_m))]
+    WayThrough {
+        element: String,
+        from: [f64; 2],
+        to: [f64; 2],
+        other: String,
+        distance_m: f64,
+        needed_m: f64,
+        spare_m: f64,
+    },
+    /// Something that moves stands in the robot's way for longer than the robot waits.
+    #[error("[route]: the way {from} -> {to} is blocked at {} by {thing}, for {patience_s} s: must be free within patience_s = {patience_s}; send it elsewhere, or give [robot] more patience", point(*.at))]
+    Jammed { from: String, to: String, at: [f64; 2], thing: String, patience_s: f64 },
+    /// A drive among things that would take too long to work out.
+    #[error(
+        "[route]: the drive takes more than {limit_s} s: must be at most that where something moves; drive faster, or wait for less long"
+    )]
+    TooLongAmong { limit_s: f64 },
     /// Something stands in the way.
     #[error("[route]: the way {from} -> {to} is blocked at {} by {obstacle}: must leave {} m on either side (the robot's radius and {} m to spare); move a waypoint or the obstacle, or add a stop that leads round it", point(*.at), metres(.needed_m), metres(.spare_m))]
     Blocked { from: String, to: String, at: [f64; 2], obstacle: String, needed_m: f64, spare_m: f64 },
 }
 
 /// Metres to the millimetre where that says enough, so that messages stay readable.
-fn metres(value: &f64) -> String {
+pub(crate) fn metres(value: &f64) -> String {
     let rounded = (value * 1e3).round() / 1e3;
-    if rounded.abs() > 0.0 { format!("{rounded}") } else { format!("{value:e}") }
+    let digits = || format!("{value:.2e}").parse().map_or_else(|_| value.to_string(), |few: f64| format!("{few:e}"));
+    if rounded.abs() > 0.0 { format!("{rounded}") } else { digits() }
 }
 
 fn point(at: [f64; 2]) -> String {

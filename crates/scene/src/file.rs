@@ -4,17 +4,21 @@ mod beside;
 mod bounds;
 pub(crate) mod camera;
 mod cells;
+mod chairs;
+mod doors;
 pub(crate) mod edit;
 mod family;
 mod findings;
 mod fit;
 pub mod limits;
 mod map;
+mod movers;
 mod obstacles;
 pub(crate) mod plan;
 mod points;
 mod polygon;
 mod regions;
+mod room_to_move;
 mod route;
 
 use std::path::Path;
@@ -27,7 +31,7 @@ pub(crate) use self::family::is_family;
 use self::findings::{Findings, first};
 use crate::{Obstacle, Problem, Scene, SceneError, Warning};
 
-const KEYS: [&str; 17] = [
+const KEYS: [&str; 21] = [
     "name",
     "description",
     "bounds",
@@ -42,6 +46,10 @@ const KEYS: [&str; 17] = [
     "route",
     "stage",
     "region",
+    "mover",
+    "door",
+    "chair",
+    "motion_seed",
     "camera",
     "sensor",
     "robot",
@@ -102,9 +110,12 @@ fn checked(root: &Table, path: &Path, cell_m: Option<f64>, found: &mut Findings)
     let stops = route::stops(root, waypoints.as_deref(), found);
     let stages = route::stages(root, waypoints.as_deref(), stops.as_deref(), found);
     let regions = regions::read(root, within, found);
+    let movers = movers::read(root, waypoints.as_deref(), found);
+    let (doors, chairs) = (doors::read(root, &stages, found), chairs::read(root, &stages, found));
+    let motion_seed = found.take(root.optional_whole("motion_seed", &limits::SEED)).flatten().unwrap_or(0);
     let camera = camera::camera(root, found);
     let matcher = camera::matcher(root, found);
-    Some(Scene {
+    let scene = Scene {
         name: name?,
         description,
         layout: None,
@@ -116,11 +127,19 @@ fn checked(root: &Table, path: &Path, cell_m: Option<f64>, found: &mut Findings)
         stops: stops?,
         stages,
         regions,
+        movers,
+        doors,
+        chairs,
+        motion_seed,
         camera,
         matcher,
         robot,
         warnings,
-    })
+    };
+    if found.count() == 0 {
+        room_to_move::check(root, &scene, found);
+    }
+    Some(scene)
 }
 
 /// What a scene stands on.

@@ -1,7 +1,6 @@
 //! Layouts: where walls, furniture and the route of a generated scene are.
 
 mod furniture;
-mod gap;
 mod piece;
 mod plan;
 mod structure;

@@ -10,6 +10,9 @@ pub(crate) const BYTES_PER_CELL: u64 = 220;
 /// What a simulation keeps per ray, bytes: bearing, reading and true range.
 pub(crate) const BYTES_PER_RAY: u64 = 40;
 
+/// What a drive keeps per scan of everything that moves, bytes: its shape.
+pub(crate) const BYTES_PER_THING: u64 = 64;
+
 /// Taken for free where the system does not tell (no `/proc/meminfo`): 4 GiB.
 const FALLBACK: u64 = 4 << 30;
 

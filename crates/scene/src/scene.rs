@@ -8,6 +8,7 @@ use strict::Place;
 
 use crate::geometry::distance;
 use crate::shape::Shape;
+use crate::things::{Chair, Door, Mover};
 use crate::warning::Warning;
 
 /// A room, a robot and its way through it, as a scene file describes them. Valid by construction:
@@ -37,6 +38,14 @@ pub struct Scene {
     pub stages: Vec<StagePlan>,
     /// Named sets of cells to score.
     pub regions: Vec<Region>,
+    /// Everything that walks.
+    pub movers: Vec<Mover>,
+    /// Everything that turns about a hinge.
+    pub doors: Vec<Door>,
+    /// Everything that stands elsewhere later.
+    pub chairs: Vec<Chair>,
+    /// Fixes every chance of what moves; the readings have a seed of their own.
+    pub motion_seed: u64,
     /// The camera's columns.
     pub camera: Camera,
     /// The camera's noise.
@@ -61,7 +70,7 @@ pub struct Obstacle {
 /// Which part of the scene file an obstacle comes from.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Origin {
-    /// `wall`, `box`, `disc`, `polygon`, `map box` or `plan wall`.
+    /// `wall`, `box`, `disc`, `polygon`, `map box` or `plan wall`; `mover`, `door` or `chair`.
     pub kind: &'static str,
     /// Its number among those of its kind, from 1.
     pub number: usize,
@@ -85,10 +94,12 @@ pub struct Waypoint {
 }
 
 /// A stop of the route.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Stop {
     /// Index into [`Scene::waypoints`].
     pub waypoint: usize,
+    /// How long the robot stands there, s.
+    pub wait_s: f64,
     /// Where the file names it.
     pub place: Place,
 }
@@ -145,12 +156,23 @@ pub struct Robot {
     pub turn_rate_rad_s: f64,
     /// Time between scans, s.
     pub scan_interval_s: f64,
+    /// How long it stands before what moves and is in its way, s, until the drive is blocked.
+    pub patience_s: f64,
+    /// Standard deviation of either coordinate of the recorded place while it stands, m.
+    pub jitter_m: f64,
+    /// Standard deviation of its recorded heading while it stands, rad.
+    pub jitter_rad: f64,
 }
 
 impl Scene {
     /// The waypoint of the stop with the given number, from 0.
     pub fn waypoint_of(&self, stop: usize) -> &Waypoint {
         &self.waypoints[self.stops[stop].waypoint]
+    }
+
+    /// Whether anything moves in it but the robot.
+    pub fn moves(&self) -> bool {
+        !(self.movers.is_empty() && self.doors.is_empty() && self.chairs.is_empty())
     }
 }
 

@@ -66,6 +66,16 @@ impl Shape {
         extent
     }
 
+    /// The same shape, moved by `by` (m).
+    pub fn moved(&self, by: [f64; 2]) -> Self {
+        let at = |point: [f64; 2]| [point[0] + by[0], point[1] + by[1]];
+        match self {
+            Self::Box { center_m, half_m, axis } => Self::Box { center_m: at(*center_m), half_m: *half_m, axis: *axis },
+            Self::Disc { center_m, radius_m } => Self::Disc { center_m: at(*center_m), radius_m: *radius_m },
+            Self::Polygon { points_m } => Self::Polygon { points_m: points_m.iter().map(|p| at(*p)).collect() },
+        }
+    }
+
     /// Distance of `point` to the shape, m, 0 inside.
     pub fn distance_m(&self, point: [f64; 2]) -> f64 {
         match self {

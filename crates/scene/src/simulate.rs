@@ -1,5 +1,7 @@
 //! The readings of a drive.
 
+mod standing;
+
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
 use rayon::prelude::*;
@@ -42,29 +44,76 @@ pub struct Stage {
 /// of threads: scan `i` reads stream `i` of the seed, and every ray has its place in the stream.
 /// With clustered mismatches a ray's reading depends on the rays before it in its scan too.
 ///
+/// While the robot stands, a ray that ends as it did at an earlier scan from there has the edge and the mismatch of that scan
+/// again, and fresh noise; the recorded pose jitters, by the scene's robot, about the true one.
+///
 /// Scans are shared out over the threads of rayon's pool. Memory is asked for by scans, never by rays.
 pub fn simulate(scene: &Scene, world: &World, drive: &Drive, seed: u64) -> Simulation {
     let bearings_rad = scene.camera.bearings_rad();
-    let scans = drive.poses.par_iter().enumerate();
-    let scans = scans.map(|(i, pose)| scan(scene, world, pose, &bearings_rad, seed, i as u64)).collect();
+    let eye = Eye { scene, world, drive, bearings_rad: &bearings_rad, seed };
+    let scans = if standing::any(drive) {
+        standing::scans(&eye)
+    } else {
+        let scans = 0..drive.poses.len();
+        scans.into_par_iter().map(|i| eye.scan(i, &eye.look(i), |_| i)).collect()
+    };
     let stages = drive.stage_ends.iter().map(|(name, scans)| Stage { name: name.clone(), scans: *scans }).collect();
     Simulation { scans, stages }
 }
 
-fn scan(scene: &Scene, world: &World, at: &TimedPose, bearings_rad: &[f64], seed: u64, stream: u64) -> SimulatedScan {
-    let surface = |hit: Hit| Surface { range_m: hit.range_m, texture: scene.obstacles[hit.obstacle].texture };
-    let cast = |&bearing: &f64| world.cast(at.pose.position_m(), at.pose.direction(bearing)).map(surface);
-    let surfaces: Vec<Option<Surface>> = bearings_rad.iter().map(cast).collect();
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    rng.set_stream(stream);
-    let readings = scene.matcher.scan(bearings_rad, &surfaces, |ray| {
-        let mut rng = rng.clone();
-        rng.set_word_pos(ray as u128 * WORDS_PER_RAY);
-        rng
-    });
-    let true_ranges_m = surfaces.iter().map(|surface| surface.map(|s| s.range_m)).collect();
-    let scan = Scan { sensor: 0, time_s: at.time_s, pose: at.pose, bearings_rad: bearings_rad.to_vec(), readings };
-    SimulatedScan { scan, true_ranges_m }
+/// What a ray ends on, if on anything.
+type End = Option<Surface>;
+
+/// The camera on a drive.
+struct Eye<'a> {
+    scene: &'a Scene,
+    world: &'a World,
+    drive: &'a Drive,
+    bearings_rad: &'a [f64],
+    seed: u64,
+}
+
+impl Eye<'_> {
+    /// What the rays of a scan end on: an obstacle, or something that moves where that is nearer.
+    fn look(&self, scan: usize) -> Vec<End> {
+        let pose = self.drive.poses[scan].pose;
+        let still = |hit: Hit| Surface { range_m: hit.range_m, texture: self.scene.obstacles[hit.obstacle].texture };
+        let motion = &self.drive.motion;
+        if motion.is_empty() {
+            let cast = |&bearing: &f64| self.world.cast(pose.position_m(), pose.direction(bearing)).map(still);
+            return self.bearings_rad.iter().map(cast).collect();
+        }
+        let things = World::of(motion.shapes_at(scan).map(|(_, shape)| shape.clone()).collect());
+        let moving = |hit: Hit| Surface { range_m: hit.range_m, texture: motion.texture(hit.obstacle) };
+        let cast = |&bearing: &f64| {
+            let (origin, direction) = (pose.position_m(), pose.direction(bearing));
+            let (fixed, thing) = (self.world.cast(origin, direction), things.cast(origin, direction));
+            match (fixed, thing) {
+                (Some(fixed), Some(thing)) if thing.range_m < fixed.range_m => Some(moving(thing)),
+                (None, Some(thing)) => Some(moving(thing)),
+                (fixed, _) => fixed.map(still),
+            }
+        };
+        self.bearings_rad.iter().map(cast).collect()
+    }
+
+    /// The readings of a scan. `image(ray)` is the scan in which the ray's edge and mismatch were drawn.
+    fn scan(&self, scan: usize, ends: &[End], image: impl Fn(usize) -> usize) -> SimulatedScan {
+        let base = ChaCha8Rng::seed_from_u64(self.seed);
+        let stream = |scan: usize, ray: usize| {
+            let mut rng = base.clone();
+            rng.set_stream(scan as u64);
+            rng.set_word_pos(ray as u128 * WORDS_PER_RAY);
+            rng
+        };
+        let fresh = |ray: usize| (image(ray) != scan).then(|| stream(scan, ray));
+        let matcher = &self.scene.matcher;
+        let readings = matcher.scan_again(self.bearings_rad, ends, |ray| stream(image(ray), ray), fresh);
+        let TimedPose { time_s, pose } = self.drive.poses[scan];
+        let true_ranges_m = ends.iter().map(|surface| surface.map(|s| s.range_m)).collect();
+        let scan = Scan { sensor: 0, time_s, pose, bearings_rad: self.bearings_rad.to_vec(), readings };
+        SimulatedScan { scan, true_ranges_m }
+    }
 }
 
 #[cfg(test)]

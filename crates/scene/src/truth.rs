@@ -3,7 +3,7 @@
 use grid::{GridSpec, Raster};
 
 use crate::geometry::{distance, outline_contains, segment_meets_rectangle, sides};
-use crate::{Obstacle, Scene, Shape};
+use crate::{Drive, Obstacle, Scene, Shape};
 
 /// Cells are tested this much smaller on every side, m: what only touches a cell does not occupy it.
 const TOUCH_M: f64 = 1e-9;
@@ -19,6 +19,23 @@ pub fn truth(scene: &Scene) -> Raster<Option<bool>> {
         occupy(&mut truth, &obstacle.shape);
     }
     truth
+}
+
+/// The cells of which moving things cover any part at a scan of a drive, counted from 0, by the rule of [`truth`].
+///
+/// What is occupied at that moment is what is occupied in `truth` or covered here.
+///
+/// # Panics
+/// If there is no such scan.
+pub fn covered_at(scene: &Scene, drive: &Drive, scan: usize) -> Raster<bool> {
+    assert!(scan < drive.poses.len(), "scan {scan} of {}", drive.poses.len());
+    let mut covered = Raster::filled(scene.grid, false);
+    if !drive.motion.is_empty() {
+        for (_, shape) in drive.motion.shapes_at(scan) {
+            set_covered(&mut covered, shape, true);
+        }
+    }
+    covered
 }
 
 /// The cells whose centres an obstacle covers, and which are known, as in [`truth`].
@@ -54,7 +71,12 @@ fn free(scene: &Scene) -> Raster<Option<bool>> {
 
 /// Sets the cells that a shape covers.
 pub(crate) fn occupy(truth: &mut Raster<Option<bool>>, shape: &Shape) {
-    let spec = *truth.spec();
+    set_covered(truth, shape, Some(true));
+}
+
+/// Sets the cells that a shape covers to a value.
+fn set_covered<T: Copy>(raster: &mut Raster<T>, shape: &Shape, value: T) {
+    let spec = *raster.spec();
     let corners = shape.corners_m();
     let [columns, rows] = span(&spec, shape);
     for row in rows {
@@ -63,7 +85,7 @@ pub(crate) fn occupy(truth: &mut Raster<Option<bool>>, shape: &Shape) {
             let min = spec.corner(cell).map(|v| v + TOUCH_M);
             let max = spec.corner(cell).map(|v| v + spec.cell_m - TOUCH_M);
             if covers(shape, &corners, min, max) {
-                truth[cell] = Some(true);
+                raster[cell] = value;
             }
         }
     }

@@ -55,7 +55,8 @@ impl World {
         Self::of(boxes(&cells.map(|&cell| cell == Some(true))))
     }
 
-    fn of(shapes: Vec<Shape>) -> Self {
+    /// The world of these shapes; a hit's `obstacle` is the shape's number.
+    pub(crate) fn of(shapes: Vec<Shape>) -> Self {
         let loosened = |shape: &Shape| {
             let [min, max] = shape.extent_m();
             Aabb::new(vector(min), vector(max)).loosened(LOOSE_M)

@@ -7,9 +7,9 @@
 //! distribution over 60 px puts 7 %. The defaults lie inside these ranges.
 
 use rand::{Rng, RngExt as _};
-use rand_distr::StandardNormal;
 use serde::{Deserialize, Serialize};
 
+use crate::matcher::Draws;
 use crate::{Matcher, Surface};
 
 /// How mismatches are distributed over the image.
@@ -96,7 +96,7 @@ impl Clustering {
         matcher: &Matcher,
         bearings_rad: &[f64],
         surfaces: &[Option<Surface>],
-        mut stream: impl FnMut(usize) -> R,
+        mut draws: impl FnMut(usize) -> Draws<R>,
     ) -> Vec<Option<f64>> {
         let true_px = |(surface, &bearing): (&Option<Surface>, &f64)| {
             surface.map(|s| matcher.stereo.disparity(s.range_m, bearing))
@@ -106,17 +106,17 @@ impl Clustering {
         let mut readings = vec![None; surfaces.len()];
         for (column, reading) in readings.iter_mut().enumerate() {
             let (Some(surface), Some(own_px)) = (surfaces[column], true_px[column]) else { continue };
-            let rng = &mut stream(column);
-            if rng.random::<f64>() >= matcher.detection_rate * surface.texture {
+            let draws = &mut draws(column);
+            if draws.image.random::<f64>() >= matcher.detection_rate * surface.texture {
                 continue;
             }
-            let fails = rng.random::<f64>() < self.failing(matcher.stereo.correct_match, before);
+            let fails = draws.image.random::<f64>() < self.failing(matcher.stereo.correct_match, before);
             before = Some(fails);
             *reading = if fails {
                 let copied_px = self.neighbour(&true_px, column, own_px);
-                matcher.reading(self.mismatch(matcher, own_px, copied_px, rng))
+                matcher.reading(self.mismatch(matcher, own_px, copied_px, draws))
             } else {
-                matcher.reading(noisy(matcher, own_px, rng))
+                matcher.reading(noisy(matcher, own_px, draws))
             };
         }
         readings
@@ -134,19 +134,19 @@ impl Clustering {
     }
 
     /// The disparity (px) of a failed match, within the search range.
-    fn mismatch(&self, matcher: &Matcher, own_px: f64, copied_px: Option<f64>, rng: &mut impl Rng) -> f64 {
+    fn mismatch<R: Rng>(&self, matcher: &Matcher, own_px: f64, copied_px: Option<f64>, draws: &mut Draws<R>) -> f64 {
         let max_px = matcher.stereo.max_disparity;
-        let uniform_px = max_px * rng.random::<f64>();
+        let uniform_px = max_px * draws.image.random::<f64>();
         // Without a surface to copy, the other kinds share what is left of the draw.
         let copies = if copied_px.is_some() { self.copies } else { 0.0 };
-        let kind = rng.random::<f64>() * (1.0 - self.copies + copies);
+        let kind = draws.image.random::<f64>() * (1.0 - self.copies + copies);
         let within = |px: &f64| (0.0..=max_px).contains(px);
         let read_px = match copied_px {
-            Some(px) if kind < copies => Some(noisy(matcher, px, rng)).filter(within),
+            Some(px) if kind < copies => Some(noisy(matcher, px, draws)).filter(within),
             _ if kind < copies + self.near_misses => {
                 let [least, most] = Self::NEAR_MISS_PX;
-                let size_px = least + (most - least) * rng.random::<f64>();
-                let by_px = if rng.random::<bool>() { size_px } else { -size_px };
+                let size_px = least + (most - least) * draws.image.random::<f64>();
+                let by_px = if draws.image.random::<bool>() { size_px } else { -size_px };
                 [own_px + by_px, own_px - by_px].into_iter().find(within)
             }
             _ => None,
@@ -156,9 +156,8 @@ impl Clustering {
 }
 
 /// What a correct match of a surface with the given disparity (px) measures, px.
-fn noisy(matcher: &Matcher, px: f64, rng: &mut impl Rng) -> f64 {
-    let noise: f64 = rng.sample(StandardNormal);
-    px + matcher.stereo.disparity_sigma * noise
+fn noisy<R: Rng>(matcher: &Matcher, px: f64, draws: &mut Draws<R>) -> f64 {
+    px + matcher.stereo.disparity_sigma * draws.normal()
 }
 
 #[cfg(test)]

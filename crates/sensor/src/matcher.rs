@@ -15,6 +15,21 @@ pub struct Surface {
     pub texture: f64,
 }
 
+/// The random numbers of a column.
+pub(crate) struct Draws<R> {
+    /// What the two images hold: edges and mismatches.
+    pub(crate) image: R,
+    /// The noise of correct matches, where it is another's than the image's.
+    pub(crate) noise: Option<R>,
+}
+
+impl<R: Rng> Draws<R> {
+    /// A standard normal number.
+    pub(crate) fn normal(&mut self) -> f64 {
+        self.noise.as_mut().unwrap_or(&mut self.image).sample(StandardNormal)
+    }
+}
+
 /// A simulated stereo matcher: [`Stereo`] turned round, from a true range to a reading.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Matcher {
@@ -54,15 +69,34 @@ impl Matcher {
         &self,
         bearings_rad: &[f64],
         surfaces: &[Option<Surface>],
+        stream: impl FnMut(usize) -> R,
+    ) -> Vec<Option<f64>> {
+        self.scan_again(bearings_rad, surfaces, stream, |_| None)
+    }
+
+    /// As [`scan`](Self::scan), of a scene that was seen before: `noise(column)`, where there is any, gives the Gaussian
+    /// part of the column's reading, and `stream(column)` all else: whether there is an edge to match, whether the match fails,
+    /// and of what. With the `stream` of an earlier scan of the same surfaces from the same place its mismatches repeat, as
+    /// they do on real pairs, while the noise is fresh.
+    ///
+    /// # Panics
+    /// Unless there are as many surfaces as bearings.
+    pub fn scan_again<R: Rng>(
+        &self,
+        bearings_rad: &[f64],
+        surfaces: &[Option<Surface>],
         mut stream: impl FnMut(usize) -> R,
+        mut noise: impl FnMut(usize) -> Option<R>,
     ) -> Vec<Option<f64>> {
         assert_eq!(bearings_rad.len(), surfaces.len(), "one surface, or none, per bearing");
+        let draws = |column| Draws { image: stream(column), noise: noise(column) };
         match &self.mismatches {
-            Mismatches::Clustered(clustering) => clustering.scan(self, bearings_rad, surfaces, stream),
+            Mismatches::Clustered(clustering) => clustering.scan(self, bearings_rad, surfaces, draws),
             Mismatches::Independent => {
+                let mut draws = draws;
                 let columns = bearings_rad.iter().zip(surfaces).enumerate();
                 let read = |(column, (&bearing, surface)): (usize, (&f64, &Option<Surface>))| {
-                    surface.and_then(|s| self.sample(s.range_m, bearing, s.texture, &mut stream(column)))
+                    surface.and_then(|s| self.drawn(s.range_m, bearing, s.texture, &mut draws(column)))
                 };
                 columns.map(read).collect()
             }
@@ -76,15 +110,18 @@ impl Matcher {
     /// There is no reading where the column has no edge, and where a correct match would leave
     /// `0 ..= max_disparity`.
     pub fn sample(&self, range: f64, bearing: f64, texture: f64, rng: &mut impl Rng) -> Option<f64> {
+        self.drawn(range, bearing, texture, &mut Draws { image: rng, noise: None })
+    }
+
+    fn drawn<R: Rng>(&self, range: f64, bearing: f64, texture: f64, draws: &mut Draws<R>) -> Option<f64> {
         let Stereo { disparity_sigma, correct_match, max_disparity, .. } = self.stereo;
-        if rng.random::<f64>() >= self.detection_rate * texture {
+        if draws.image.random::<f64>() >= self.detection_rate * texture {
             return None;
         }
-        let disparity = if rng.random::<f64>() < correct_match {
-            let noise: f64 = rng.sample(StandardNormal);
-            self.stereo.disparity(range, bearing) + disparity_sigma * noise
+        let disparity = if draws.image.random::<f64>() < correct_match {
+            self.stereo.disparity(range, bearing) + disparity_sigma * draws.normal()
         } else {
-            max_disparity * rng.random::<f64>()
+            max_disparity * draws.image.random::<f64>()
         };
         self.reading(disparity)
     }
@@ -140,6 +177,33 @@ mod tests {
             assert_eq!(*reading, expected, "column {k}");
         }
         assert!(readings.iter().flatten().count() > 100);
+    }
+
+    #[test]
+    fn a_scene_seen_again_repeats_its_mismatches_with_fresh_noise() {
+        let stream = |seed: u64, column: usize| {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            rng.set_word_pos(64 * column as u128);
+            rng
+        };
+        let bearings: Vec<f64> = (0..400).map(|k| 0.002 * f64::from(k - 200)).collect();
+        let surfaces = vec![Some(Surface { range_m: 1.5, texture: 0.9 }); 400];
+        let clustered = Mismatches::Clustered(crate::Clustering { copies: 0.0, ..Default::default() });
+        for mismatches in [Mismatches::Independent, clustered] {
+            let matcher = Matcher { mismatches, ..MATCHER };
+            let first = matcher.scan(&bearings, &surfaces, |column| stream(1, column));
+            let again = matcher.scan_again(&bearings, &surfaces, |c| stream(1, c), |c| Some(stream(2, c)));
+            let (mut repeated, mut fresh) = (0, Vec::new());
+            for (k, (a, b)) in first.iter().zip(&again).enumerate() {
+                assert_eq!(a.is_some(), b.is_some(), "column {k} has its edge as before");
+                let (Some(a), Some(b)) = (a, b) else { continue };
+                if a.to_bits() == b.to_bits() { repeated += 1 } else { fresh.push(b - a) }
+            }
+            let deviation = (fresh.iter().map(|d| d * d).sum::<f64>() / fresh.len() as f64).sqrt();
+            let expected = 0.5 * std::f64::consts::SQRT_2;
+            assert!((40..120).contains(&repeated), "a fifth of 360 fails: {repeated}");
+            assert!((deviation - expected).abs() < 0.1, "{deviation} {expected}");
+        }
     }
 
     #[test]

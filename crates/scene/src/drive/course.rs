@@ -10,7 +10,23 @@ use crate::Robot;
 use crate::geometry::{distance, minus};
 
 /// Times nearer than this are the same moment, s.
-const MOMENT_S: f64 = 1e-9;
+pub(super) const MOMENT_S: f64 = 1e-9;
+
+/// Who else is there while the robot drives.
+pub(super) trait Others {
+    /// Everything moves on to a time (s), while the robot stands where it is.
+    fn until(&mut self, time_s: f64);
+    /// A scan is made now.
+    fn scanned(&mut self);
+}
+
+/// An empty world.
+pub(super) struct Nobody;
+
+impl Others for Nobody {
+    fn until(&mut self, _: f64) {}
+    fn scanned(&mut self) {}
+}
 
 /// A robot under way.
 pub(super) struct Course {
@@ -38,8 +54,39 @@ impl Course {
         self.poses
     }
 
+    /// Time since the start, s.
+    pub(super) fn time_s(&self) -> f64 {
+        self.time_s
+    }
+
+    /// Where it is, m.
+    pub(super) fn at_m(&self) -> [f64; 2] {
+        self.pose.position_m()
+    }
+
+    /// Moves on to a time (s) and a place (m), and scans there if a scan is due; no scan may have been due before.
+    pub(super) fn move_on(&mut self, time_s: f64, [x_m, y_m]: [f64; 2], others: &mut impl Others) {
+        (self.time_s, self.pose) = (time_s, Pose { x_m, y_m, ..self.pose });
+        if self.due_s() <= time_s + MOMENT_S {
+            self.scan(time_s);
+            others.scanned();
+        }
+    }
+
+    /// Stands for `duration_s`.
+    pub(super) fn stand(&mut self, duration_s: f64, others: &mut impl Others) {
+        let end_s = self.time_s + duration_s;
+        while let Some(due_s) = self.due_before(end_s) {
+            others.until(due_s);
+            self.scan(due_s);
+            others.scanned();
+        }
+        others.until(end_s);
+        self.time_s = end_s;
+    }
+
     /// Turns on the spot to `theta_rad`, the short way, at `rate` rad/s.
-    pub(super) fn turn(&mut self, theta_rad: f64, rate: f64) {
+    pub(super) fn turn(&mut self, theta_rad: f64, rate: f64, others: &mut impl Others) {
         let from = self.pose.theta_rad;
         let turn = turn_between(from, theta_rad);
         let duration_s = turn.abs() / rate;
@@ -47,9 +94,12 @@ impl Course {
         while let Some(due_s) = self.due_before(began_s + duration_s) {
             let part = ((due_s - began_s) / duration_s).clamp(0.0, 1.0);
             self.pose.theta_rad = wrapped(from + part * turn);
+            others.until(due_s);
             self.scan(due_s);
+            others.scanned();
         }
         self.time_s = began_s + duration_s;
+        others.until(self.time_s);
         self.pose.theta_rad = theta_rad;
     }
 
@@ -81,17 +131,23 @@ impl Course {
     }
 
     /// Scans now, unless the last scan was just made here, and counts the interval from now.
-    pub(super) fn scan_on_arrival(&mut self) {
+    pub(super) fn scan_on_arrival(&mut self, others: &mut impl Others) {
         let just_made = self.poses.last().is_some_and(|last| self.time_s - last.time_s < MOMENT_S);
         if !just_made {
             self.poses.push(TimedPose { time_s: self.time_s, pose: self.pose });
+            others.scanned();
         }
         (self.since_s, self.k) = (self.time_s, 1.0);
     }
 
     /// The time of the next scan, if it comes before `end_s`.
     fn due_before(&self, end_s: f64) -> Option<f64> {
-        Some(self.since_s + self.k * self.interval_s).filter(|due_s| *due_s < end_s - MOMENT_S)
+        Some(self.due_s()).filter(|due_s| *due_s < end_s - MOMENT_S)
+    }
+
+    /// The time of the next scan, s.
+    pub(super) fn due_s(&self) -> f64 {
+        self.since_s + self.k * self.interval_s
     }
 
     fn scan(&mut self, time_s: f64) {
@@ -110,12 +166,12 @@ pub(crate) fn undisturbed(stops_m: &[[f64; 2]], robot: &Robot) -> Vec<TimedPose>
     let (Some(first), Some(&start)) = (legs.peek(), stops_m.first()) else { return Vec::new() };
     let mut course = Course::start(start, heading(first), robot.scan_interval_s);
     for leg in legs {
-        course.turn(heading(leg), robot.turn_rate_rad_s);
+        course.turn(heading(leg), robot.turn_rate_rad_s, &mut Nobody);
         let Ok(()) = course.straight(leg[1], robot.speed_m_s, |from, wish| {
             Ok::<_, Infallible>([from[0] + wish[0], from[1] + wish[1]])
         });
     }
-    course.scan_on_arrival();
+    course.scan_on_arrival(&mut Nobody);
     course.into_poses()
 }
 

@@ -8,7 +8,8 @@ use crate::Robot;
 
 use super::findings::Findings;
 use super::limits::{
-    COLUMNS, FIELD_OF_VIEW, FOCAL_BASELINE, INTERVAL, PROBABILITY, RADIUS, REACH, SEARCH, SIGMA, SPEED, STEP, TURN_RATE,
+    COLUMNS, FIELD_OF_VIEW, FOCAL_BASELINE, INTERVAL, JITTER, JITTER_ANGLE, PATIENCE, PROBABILITY, RADIUS, REACH,
+    SEARCH, SIGMA, SPEED, STEP, TURN_RATE,
 };
 
 /// `[camera]`: 140 columns over 80 degrees where the file is silent.
@@ -136,17 +137,29 @@ fn possible(table: &Table, clustering: &Clustering, correct_match: f64) -> Resul
 /// `[robot]`: 0.2 m, 0.5 m/s, 30 degrees per second, five scans per second.
 pub(super) fn robot(root: &Table, found: &mut Findings) -> Robot {
     let (mut radius_m, mut speed_m_s, mut turn_rate_deg_s, mut scan_interval_s) = (0.2, 0.5, 30.0, 0.2);
+    let (mut patience_s, mut jitter_m, mut jitter_deg) = (60.0, 0.0, 0.0);
     if let Some(table) = found.take(root.section("robot")).flatten() {
         let fields = [
             ("radius", &RADIUS, &mut radius_m),
             ("speed", &SPEED, &mut speed_m_s),
             ("turn_rate_deg", &TURN_RATE, &mut turn_rate_deg_s),
             ("scan_interval", &INTERVAL, &mut scan_interval_s),
+            ("patience_s", &PATIENCE, &mut patience_s),
+            ("jitter_m", &JITTER, &mut jitter_m),
+            ("jitter_deg", &JITTER_ANGLE, &mut jitter_deg),
         ];
         found.only(&table, &fields.each_ref().map(|(key, ..)| *key));
         take(&table, fields, found);
     }
-    Robot { radius_m, speed_m_s, turn_rate_rad_s: turn_rate_deg_s.to_radians(), scan_interval_s }
+    Robot {
+        radius_m,
+        speed_m_s,
+        turn_rate_rad_s: turn_rate_deg_s.to_radians(),
+        scan_interval_s,
+        patience_s,
+        jitter_m,
+        jitter_rad: jitter_deg.to_radians(),
+    }
 }
 
 /// Takes the numbers that the table gives.

@@ -41,6 +41,46 @@ pub const TURN_RATE: Limit =
 pub const INTERVAL: Limit =
     limit(1e-4, 1e4, "a positive time in s, 0.0001 to 10000", "give the time between scans, such as 0.2");
 
+/// How long the robot waits for what is in its way, s.
+pub const PATIENCE: Limit = limit(0.0, 3600.0, "a time in s, 0 to 3600", "give how long it waits, such as 60");
+/// Standard deviation of the recorded place of a robot that stands, m.
+pub const JITTER: Limit = limit(0.0, 0.1, "a length in m, 0 to 0.1", "give a standard deviation such as 0.002");
+/// Standard deviation of the recorded heading of a robot that stands, degrees.
+pub const JITTER_ANGLE: Limit =
+    limit(0.0, 10.0, "an angle in degrees, 0 to 10", "give a standard deviation such as 0.1");
+/// How long the robot stands at a stop, s.
+pub const WAIT: Limit = limit(0.0, 36e3, "a time in s, 0 to 36000", "give how long the robot stands there, such as 10");
+
+/// Radius of a mover, m.
+pub const MOVER_RADIUS: Limit = limit(0.01, 5.0, "a length in m, 0.01 to 5", "give the mover's radius, such as 0.25");
+/// Speed of a mover, m/s.
+pub const MOVER_SPEED: Limit = limit(0.01, 5.0, "a speed in m/s, 0.01 to 5", "give a speed such as 1.2");
+/// How long a mover stands, s.
+pub const PAUSE: Limit = limit(0.0, 36e3, "a time in s, 0 to 36000", "give how long the mover stands, such as 2");
+/// What a follower keeps between itself and the robot, m.
+pub const FOLLOWING: Limit =
+    limit(0.1, 100.0, "a length in m, 0.1 to 100", "give how far behind the robot it walks, such as 1");
+/// How far a loiterer strays, m.
+pub const STRAYING: Limit = limit(0.01, 100.0, "a length in m, 0.01 to 100", "give how far it strays, such as 1");
+/// Length of a door's leaf, m.
+pub const LEAF: Limit = limit(0.05, 20.0, "a length in m, 0.05 to 20", "give the length of the leaf, such as 0.9");
+/// Thickness of a door's leaf, m.
+pub const LEAF_THICKNESS: Limit =
+    limit(0.001, 1.0, "a length in m, 0.001 to 1", "give the thickness of the leaf, such as 0.04");
+/// A direction, degrees.
+pub const ANGLE: Limit = limit(-360.0, 360.0, "an angle in degrees, -360 to 360", "give it counter-clockwise from x");
+/// From shut to open, s.
+pub const SWING: Limit = limit(0.01, 600.0, "a time in s, 0.01 to 600", "give how long the leaf swings, such as 2");
+/// How often a door may open, s.
+pub const PERIOD: Limit = limit(0.1, 36e3, "a time in s, 0.1 to 36000", "give the length of a period, such as 30");
+/// A time of the drive, s.
+pub const MOMENT: Limit = limit(0.0, 1e6, "a time in s, 0 to 1000000", "give a time since the start, such as 30");
+/// The seed of what moves.
+pub const SEED: Limit = limit(0.0, 9e15, "a whole number from 0 to 9000000000000000", "give a number such as 1");
+/// People per 100 square metres.
+pub const PEOPLE: Limit =
+    limit(0.0, 20.0, "two numbers, 0 to 20, the least first", "give [least, most], such as [2.0, 4.0]");
+
 /// Sides of a generated place, m.
 pub const SIDE: Limit =
     limit(2.0, 100.0, "two lengths in m, 2 to 100, the least first", "give [least, most], such as [6.0, 8.0]");

@@ -34,7 +34,7 @@ type Read = fn(&Table, &mut Findings) -> Option<Shape>;
 
 /// Every obstacle of the file, walls first.
 pub(super) fn read(root: &Table, bounds: [[f64; 2]; 2], found: &mut Findings) -> Vec<Obstacle> {
-    let kinds: [(&'static str, Read); 4] = [("wall", wall), ("box", rectangle), ("disc", disc), ("polygon", outline)];
+    let kinds: [(&'static str, Read); 4] = [("wall", wall), ("box", upright), ("disc", round), ("polygon", outline)];
     let mut obstacles = Vec::new();
     for (kind, shape) in kinds {
         for (k, table) in found.take(root.list(kind)).unwrap_or_default().iter().enumerate() {
@@ -71,8 +71,13 @@ fn wall(table: &Table, found: &mut Findings) -> Option<Shape> {
     Some(Shape::Box { center_m, half_m: [0.5 * length + half, half], axis: minus(to, from).map(|v| v / length) })
 }
 
-fn rectangle(table: &Table, found: &mut Findings) -> Option<Shape> {
+fn upright(table: &Table, found: &mut Findings) -> Option<Shape> {
     found.only(table, &["center", "size", "rotation_deg", "texture"]);
+    rectangle(table, found)
+}
+
+/// A rectangle from its middle, size and rotation.
+pub(super) fn rectangle(table: &Table, found: &mut Findings) -> Option<Shape> {
     let center_m = found.take(point(table, "center"));
     let size = found.take(table.required_pair("size", &SIZE));
     let degrees = found.take(table.optional_number("rotation_deg", &ROTATION));
@@ -80,8 +85,13 @@ fn rectangle(table: &Table, found: &mut Findings) -> Option<Shape> {
     Some(Shape::Box { center_m: center_m?, half_m: size?.map(|s| 0.5 * s), axis: [cos, sin] })
 }
 
-fn disc(table: &Table, found: &mut Findings) -> Option<Shape> {
+fn round(table: &Table, found: &mut Findings) -> Option<Shape> {
     found.only(table, &["center", "radius", "texture"]);
+    disc(table, found)
+}
+
+/// A disc from its middle and radius.
+pub(super) fn disc(table: &Table, found: &mut Findings) -> Option<Shape> {
     let center_m = found.take(point(table, "center"));
     let radius_m = found.take(table.number("radius", &LENGTH));
     Some(Shape::Disc { center_m: center_m?, radius_m: radius_m? })

@@ -4,6 +4,7 @@ use strict::{LONGEST_VALUE, Table, Value, excerpt, hint};
 
 use super::bounds::within;
 use super::findings::Findings;
+use super::limits::WAIT;
 use super::points::point;
 use crate::geometry::distance;
 use crate::{Problem, SceneError, StagePlan, Stop, Waypoint};
@@ -51,10 +52,10 @@ pub(super) fn stops(root: &Table, waypoints: Option<&[Waypoint]>, found: &mut Fi
         return None;
     };
     found.only(&table, &["stops"]);
-    let names = found.take(table.strings("stops", NAMES, example))?;
+    let names = named_stops(&table, example, found)?;
     let (waypoints, before) = (waypoints?, found.count());
     let mut stops: Vec<Stop> = Vec::new();
-    for &(name, value) in &names {
+    for &(name, value, wait_s) in &names {
         let Some(waypoint) = found.take(find(&table, waypoints, name, value)) else { continue };
         if let Some(last) = stops.last() {
             let [here, there] = [waypoint, last.waypoint].map(|w| waypoints[w].at_m);
@@ -63,10 +64,47 @@ pub(super) fn stops(root: &Table, waypoints: Option<&[Waypoint]>, found: &mut Fi
                 found.add(table.refuse("stop", value, &bound, "leave it out or name another waypoint"));
             }
         }
-        stops.push(Stop { waypoint, place: root.source().place(value.span().start) });
+        stops.push(Stop { waypoint, wait_s, place: root.source().place(value.span().start) });
     }
     if let Some(value) = table.get("stops").filter(|_| names.len() < 2) {
         found.add(table.refuse("stops", value, "at least two waypoints", &format!("write it like {example}")));
+    }
+    (found.count() == before).then_some(stops)
+}
+
+/// `stops`: names of waypoints with their places and how long the robot stands there, s. A stop is a name, or a table with the
+/// name and the time.
+fn named_stops<'a>(
+    table: &Table<'a>,
+    example: &str,
+    found: &mut Findings,
+) -> Option<Vec<(&'a str, &'a Value<'a>, f64)>> {
+    let value = table.get("stops");
+    let items = value.and_then(|value| value.get_ref().as_array());
+    let Some(items) = items.filter(|items| items.iter().any(|item| item.get_ref().as_table().is_some())) else {
+        let names = found.take(table.strings("stops", NAMES, example))?;
+        return Some(names.into_iter().map(|(name, value)| (name, value, 0.0)).collect());
+    };
+    let before = found.count();
+    let mut stops = Vec::with_capacity(items.len());
+    for (k, item) in items.iter().enumerate() {
+        if let Some(name) = item.get_ref().as_str() {
+            stops.push((name, item, 0.0));
+            continue;
+        }
+        let bound = "a waypoint name, or a table such as { at = \"B\", wait_s = 10.0 }";
+        let Some(entries) = item.get_ref().as_table() else {
+            found.add(table.refuse("stop", item, bound, &format!("write the stops like {example}")));
+            continue;
+        };
+        let stop = Table::new(table.source(), &format!("[route] stop {}", k + 1), item.span().start, entries);
+        found.only(&stop, &["wait_s", "at"]);
+        let wait_s = found.take(stop.optional_number("wait_s", &WAIT)).flatten().unwrap_or(0.0);
+        match stop.get("at").map(|at| (at, at.get_ref().as_str())) {
+            Some((at, Some(name))) => stops.push((name, at, wait_s)),
+            Some((at, None)) => found.add(stop.refuse("at", at, "the name of a waypoint", "write it in quotes")),
+            None => found.add(stop.missing("at", "`at = \"B\"`, the name of a waypoint")),
+        }
     }
     (found.count() == before).then_some(stops)
 }
@@ -132,7 +170,7 @@ pub(super) fn duplicate(table: &Table, name: String, line: usize) -> SceneError 
     SceneError::at(table.place_of("name"), problem)
 }
 
-fn find(table: &Table, waypoints: &[Waypoint], name: &str, value: &Value) -> Result<usize, SceneError> {
+pub(super) fn find(table: &Table, waypoints: &[Waypoint], name: &str, value: &Value) -> Result<usize, SceneError> {
     waypoints.iter().position(|w| w.name == name).ok_or_else(|| {
         let known: Vec<&str> = waypoints.iter().map(|w| w.name.as_str()).collect();
         let problem = Problem::UnknownWaypoint {
@@ -150,7 +188,7 @@ fn listed_stops(waypoints: &[Waypoint], stops: &[Stop]) -> String {
 }
 
 /// Names for a message, the first of them where there are many.
-fn listed(names: &[&str]) -> String {
+pub(super) fn listed(names: &[&str]) -> String {
     const MOST: usize = 20;
     let shown = names[..names.len().min(MOST)].join(", ");
     if names.len() > MOST { format!("{shown} and {} more", names.len() - MOST) } else { shown }

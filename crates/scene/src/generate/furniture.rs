@@ -3,11 +3,11 @@
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 
-use super::gap;
 use super::piece::Piece;
 use super::plan::{Kind, Plan, ROUND_M, between, rounded};
 use super::structure::Structure;
 use crate::Shape;
+use crate::gap;
 use crate::geometry::distance;
 
 /// Places that are tried for a piece.

@@ -3,9 +3,9 @@
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 
-use super::gap;
 use super::piece::Piece;
 use super::plan::{Kind, Plan, between, rounded};
+use crate::gap;
 use crate::geometry::distance;
 
 /// Sides of rooms are multiples of this, m.

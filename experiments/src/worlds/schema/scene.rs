@@ -1,7 +1,8 @@
 //! The schema of scene files, and of the tables that families share with them.
 
 use ::scene::reader::limits::{
-    COLUMNS, FIELD_OF_VIEW, FOCAL_BASELINE, INTERVAL, PROBABILITY, RADIUS, REACH, SEARCH, SIGMA, SPEED, STEP, TURN_RATE,
+    COLUMNS, FIELD_OF_VIEW, FOCAL_BASELINE, INTERVAL, JITTER, JITTER_ANGLE, PATIENCE, PROBABILITY, RADIUS, REACH,
+    SEARCH, SIGMA, SPEED, STEP, TURN_RATE,
 };
 use serde_json::{Value, json};
 
@@ -141,6 +142,9 @@ pub(super) fn shared() -> [(&'static str, Value); 4] {
         ("speed", number("Speed", &SPEED)),
         ("turn_rate_deg", number("Turning on the spot", &TURN_RATE)),
         ("scan_interval", number("Time between scans", &INTERVAL)),
+        ("patience_s", number("How long it waits for what moves and is in its way", &PATIENCE)),
+        ("jitter_m", number("Standard deviation of its recorded place while it stands", &JITTER)),
+        ("jitter_deg", number("Standard deviation of its recorded heading while it stands", &JITTER_ANGLE)),
     ];
     let grid = [("cell", between("Side of a cell, m", 1e-4, 1e3))];
     [

@@ -4,7 +4,7 @@ use crate::Shape;
 use crate::geometry::{outline_contains, segment_distance, segments_meet, sides};
 
 /// Distance between two shapes, m; 0 where they overlap or touch.
-pub(super) fn between(a: &Shape, b: &Shape) -> f64 {
+pub(crate) fn between(a: &Shape, b: &Shape) -> f64 {
     match (a, b) {
         (Shape::Disc { center_m, radius_m }, other) | (other, Shape::Disc { center_m, radius_m }) => {
             (other.distance_m(*center_m) - radius_m).max(0.0)
@@ -14,7 +14,7 @@ pub(super) fn between(a: &Shape, b: &Shape) -> f64 {
 }
 
 /// Distance of a shape to the way from one point to another, m.
-pub(super) fn to_way(shape: &Shape, from: [f64; 2], to: [f64; 2]) -> f64 {
+pub(crate) fn to_way(shape: &Shape, from: [f64; 2], to: [f64; 2]) -> f64 {
     match shape {
         Shape::Disc { center_m, radius_m } => (segment_distance(*center_m, from, to) - radius_m).max(0.0),
         _ => outlines(&shape.corners_m(), &[from, to]),
