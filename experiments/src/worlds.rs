@@ -18,3 +18,5 @@ pub mod scenes;
 pub mod schema;
 pub mod shipped;
 pub mod site;
+pub mod witness;
+pub mod yard;

@@ -65,7 +65,7 @@ fn root() -> PathBuf {
 /// The files that come with the program, of a kind; with a scene that has everything.
 fn shipped(kind: &str) -> Vec<String> {
     let text = |path: &str| fs::read_to_string(root().join(path)).expect("readable");
-    let scenes = ["room", "uma"].map(|name| format!("scenes/{name}.toml"));
+    let scenes = ["room", "uma", "corridor-people", "office-visits"].map(|name| format!("scenes/{name}.toml"));
     let families = ["closets", "clutter", "corridors", "halls", "two-rooms"].map(|name| format!("scenes/{name}.toml"));
     match kind {
         "scene" => {
@@ -121,6 +121,10 @@ fn schemas_have_the_keys_that_readers_know() {
         ("polygon", "[[polygon]]\nzzz = 1\n"),
         ("route", "[route]\nzzz = 1\n"),
         ("stage", "[[stage]]\nzzz = 1\n"),
+        ("mover", "[[mover]]\nzzz = 1\n"),
+        ("door", "[[door]]\nzzz = 1\n"),
+        ("chair", "[[chair]]\nzzz = 1\n"),
+        ("chair.moves", "[[chair]]\nmoves = [{ zzz = 1 }]\n"),
         ("region", "[[region]]\nzzz = 1\n"),
         ("camera", "[camera]\nzzz = 1\n"),
         ("sensor", "[sensor]\nzzz = 1\n"),
@@ -137,7 +141,11 @@ fn schemas_have_the_keys_that_readers_know() {
         assert_eq!(keys_of(&schema_of("scene"), path), known, "{path}");
         paths.remove(path);
     }
-    assert_eq!(paths, BTreeSet::from(["name", "description", "waypoints"].map(str::to_owned)), "tables not tried");
+    assert_eq!(
+        paths,
+        BTreeSet::from(["name", "description", "waypoints", "motion_seed"].map(str::to_owned)),
+        "tables not tried"
+    );
     let text = "name = \"f\"\n[generate]\nzzz = 1\nkind = \"corridor\"\n";
     assert_eq!(keys_of(&schema_of("family"), "generate"), keys_known("family", text));
     assert_eq!(keys_of(&schema_of("family"), ""), keys_known("family", "zzz = 1\n"));

@@ -116,6 +116,11 @@ pub enum Problem {
     /// A family without room for its own furniture.
     #[error("[generate]: layout {layout} finds no room in {attempts} attempts: must hold obstacles of {} m over {covered} of the floor beside a route with {} m on either side; lower covered, obstacle_size or clearance, or make the place larger", metres(.obstacle_m), metres(.needed_m))]
     NoLayout { layout: u64, attempts: usize, obstacle_m: f64, covered: f64, needed_m: f64 },
+    /// A family without room for its people.
+    #[error(
+        "[generate]: layout {layout} finds no room for its people: must hold up to {most} per 100 m²; lower people_per_100_m2 or covered, or make the place larger"
+    )]
+    Crowded { layout: u64, most: f64 },
     /// A route that would never end.
     #[error("[route]: about {scans:.3e} scans of {columns} columns: must be at most {limit} scans whose readings fit the {} that are free; drive faster, shorten the route, or scan less often", size(.available))]
     TooLong { scans: f64, columns: usize, limit: usize, available: u64 },

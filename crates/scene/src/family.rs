@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use strict::Place;
 
 use crate::file::edit::quoted;
+use crate::generate::people::{self, Person};
 use crate::generate::{self, Layout, Plan};
 use crate::{Problem, Scene, SceneError};
 
@@ -31,6 +32,9 @@ pub struct Family {
 /// More obstacles than this take seconds to place, each beside all others, and minutes where one finds no place
 /// in any attempt.
 const MOST_PIECES: f64 = 4000.0;
+
+/// Bits of a layout number that a scene file's motion seed holds.
+const MOTION_SEEDS: u64 = (1 << 52) - 1;
 
 /// What is done to a family on purpose, to see what a mapper makes of a world it does not expect.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -92,7 +96,9 @@ impl Family {
     /// A size factor out of range, obstacles too many or too large for the share they are to cover, and a family
     /// whose obstacles leave no room for a route.
     pub fn generate(&self, seed: u64, variation: &Variation) -> Result<String, SceneError> {
-        Ok(self.text(seed, variation, &self.layout(seed, variation)?))
+        let layout = self.layout(seed, variation)?;
+        let people = self.people(seed, &layout)?;
+        Ok(self.text(seed, variation, &layout, people.as_deref()))
     }
 
     /// The scene of a layout, read from its text as any other. `cell_m` replaces the file's cell size (m).
@@ -145,16 +151,30 @@ impl Family {
         })
     }
 
+    /// The people of a layout, in a family that has some.
+    fn people(&self, seed: u64, layout: &Layout) -> Result<Option<Vec<Person>>, SceneError> {
+        let Some(per_100_m2) = self.plan.people_per_100_m2 else { return Ok(None) };
+        let people = people::draw(layout, per_100_m2, self.robot_radius_m, seed);
+        let crowded = || SceneError::at(self.place.clone(), Problem::Crowded { layout: seed, most: per_100_m2[1] });
+        people.map(Some).ok_or_else(crowded)
+    }
+
     /// A layout as a scene file.
-    fn text(&self, seed: u64, variation: &Variation, layout: &Layout) -> String {
+    fn text(&self, seed: u64, variation: &Variation, layout: &Layout, people: Option<&[Person]>) -> String {
         let Self { name, description, .. } = self;
         let [width, height] = layout.size_m;
         let mut text =
             format!("# Layout {seed} of the family {name}, obstacle size times {}.\n\n", variation.size_factor);
         let _ = write!(text, "name = \"{name}-{seed}\"\ndescription = {}\n\n", quoted(description));
+        if people.is_some() {
+            let _ = write!(text, "motion_seed = {}\n\n", seed & MOTION_SEEDS);
+        }
         let _ = write!(text, "[bounds]\nmin = [0.0, 0.0]\nmax = [{width:?}, {height:?}]\n\n");
         for piece in &layout.pieces {
             let _ = write!(text, "{piece}\n\n");
+        }
+        for person in people.unwrap_or_default() {
+            let _ = write!(text, "{person}\n\n");
         }
         text += "[waypoints]\n";
         for (name, [x, y]) in &layout.waypoints {

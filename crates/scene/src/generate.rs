@@ -1,6 +1,7 @@
 //! Layouts: where walls, furniture and the route of a generated scene are.
 
 mod furniture;
+pub(crate) mod people;
 mod piece;
 mod plan;
 mod structure;

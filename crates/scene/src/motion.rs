@@ -56,6 +56,19 @@ impl Motion {
         self.things.len()
     }
 
+    /// The same things at these scans of it only, in this order.
+    ///
+    /// # Panics
+    /// If something moves and there is no such scan.
+    pub fn at(&self, scans: &[usize]) -> Self {
+        let n = self.things.len();
+        let shapes = match n {
+            0 => Vec::new(),
+            n => scans.iter().flat_map(|scan| &self.shapes[scan * n..(scan + 1) * n]).cloned().collect(),
+        };
+        Self { things: self.things.clone(), shapes }
+    }
+
     /// What kind of thing it is.
     ///
     /// # Panics

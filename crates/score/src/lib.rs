@@ -10,6 +10,8 @@
 //! - [`log_loss`] is the one metric cheap enough for every scan; [`reliability`] is the diagram
 //!   behind the calibration error; [`probability_bins`] is the one that adds up over maps.
 //! - [`Retention`] follows free space from scan to scan.
+//! - [`Moving`] follows a world in which things move, and gives the regions ([`MovingRegion`]) and metrics ([`MovingScores`]) that only such a world
+//!   has; [`Lag`] counts the looks until a map has followed a change.
 //! - [`error_profile`] shows where a map is wrong: error against range, or against number of looks.
 //! - [`Comparison`] says which of two methods is better, by how much and how surely; [`holm`] adjusts
 //!   for many such questions; [`Verdict`] puts the answer into a word.
@@ -26,6 +28,7 @@ mod error;
 mod judged;
 mod log_loss;
 mod metric;
+mod moving;
 pub mod navigation;
 mod pooled;
 mod profile;
@@ -48,6 +51,7 @@ pub use calibration::{BINS, Bin, reliability};
 pub use error::ScoreError;
 pub use log_loss::log_loss;
 pub use metric::Metric;
+pub use moving::{LONGEST_LAG, Lag, Moving, MovingRegion, MovingScores, NEAR_LOOK_M, QUICK_LOOKS};
 pub use pooled::{PROBABILITY_EDGES, ProbabilityBin, probability_bins};
 pub use profile::{ErrorBin, ErrorProfile, LOOK_EDGES, RANGE_EDGES_M, error_profile};
 pub use region::Region;

@@ -28,7 +28,7 @@ impl Region {
     pub const ALL: [Self; 6] = [Self::Visible, Self::Surface, Self::Shell, Self::Hidden, Self::Observable, Self::All];
 
     /// Name, as in tables and files.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Self::Visible => "visible",
             Self::Surface => "surface",

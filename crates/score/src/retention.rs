@@ -62,6 +62,19 @@ impl Retention {
         Ok(())
     }
 
+    /// Things that move cover these cells: from now on they do not count, whether something stands there or not, since a map does well to hold them
+    /// occupied for a while. What becomes of them is for [`MovingScores`](crate::MovingScores) to say.
+    ///
+    /// # Errors
+    /// A mask of another geometry.
+    pub fn leave_out(&mut self, covered: &Raster<bool>) -> Result<(), ScoreError> {
+        same_cells("mask of covered cells", covered.spec(), self.cells.spec())?;
+        for (cell, _) in self.cells.values_mut().iter_mut().zip(covered.values()).filter(|(_, covered)| **covered) {
+            *cell = Free::Not;
+        }
+        Ok(())
+    }
+
     /// How a cell that was once held free has fared: true where it was never held occupied since, false where it is
     /// lost; none of a cell that does not count.
     pub fn kept(&self, cell: usize) -> Option<bool> {
@@ -172,6 +185,21 @@ mod tests {
         assert_eq!(within([false, true, true, true]), (Some(1.0), 2));
         assert_eq!(within([false, false, false, true]), (None, 0));
         assert!(retention.metric(Some(&drawn(&["..."]).map(|_| true))).is_err());
+    }
+
+    #[test]
+    fn what_a_thing_has_covered_counts_no_more() {
+        let truth = drawn(&["..."]);
+        let mut retention = Retention::new(&truth);
+        let seen = truth.map(|_| true);
+        retention.observe(&seen, &truth.map(|_| 0.1)).expect("valid");
+        retention.leave_out(&Raster::new(*truth.spec(), vec![true, false, false])).expect("valid");
+        for map in [[0.9, 0.1, 0.9], [0.1, 0.1, 0.1]] {
+            retention.observe(&seen, &Raster::new(*truth.spec(), map.to_vec())).expect("valid");
+        }
+        assert_eq!(retention.metric(None).map(|metric| (metric.value, metric.support)), Ok((Some(0.5), 2)));
+        assert_eq!(retention.kept(0), None);
+        assert!(retention.leave_out(&drawn(&["."]).map(|_| true)).is_err());
     }
 
     #[test]

@@ -2,7 +2,8 @@
 
 use grid::{DigitalLine, Raster};
 
-use crate::Region;
+use crate::error::same_cells;
+use crate::{Region, ScoreError};
 
 /// How far behind a hit the shell reaches, m: half the paper's mean obstacle of 40 cm, so that the
 /// shell of an obstacle lies mostly inside it and not in the room behind.
@@ -24,7 +25,7 @@ pub struct Sight {
     pub range_m: Option<f64>,
 }
 
-/// What the rays so far could see. Their order does not matter.
+/// What the rays so far could see. Their order does not matter in a world at rest; see [`set_truth`](Self::set_truth) for one that moves.
 #[derive(Debug, Clone)]
 pub struct Sightings {
     truth: Raster<Option<bool>>,
@@ -51,6 +52,25 @@ impl Sightings {
             hits_without_surface: 0,
             line: DigitalLine::default(),
         }
+    }
+
+    /// The world has moved: from now on its cells are as `truth` says. A cell whose state is another one than before has not been
+    /// seen in it: it is neither visible nor surface until a ray finds it anew. What lay behind a hit, the number of looks and the nearest of them stay as they were.
+    ///
+    /// So in a world that moves *visible* are the free cells that some ray has crossed since they became free, and *surface* the occupied cells
+    /// that some ray has hit first since they became occupied, whatever stands there; the order of calls matters, that of the rays between them does not.
+    ///
+    /// # Errors
+    /// A truth of another geometry.
+    pub fn set_truth(&mut self, truth: &Raster<Option<bool>>) -> Result<(), ScoreError> {
+        same_cells("truth of the moment", truth.spec(), self.truth.spec())?;
+        for cell in 0..truth.spec().cells() {
+            if self.truth[cell] != truth[cell] {
+                self.truth[cell] = truth[cell];
+                (self.visible[cell], self.surface[cell]) = (false, false);
+            }
+        }
+        Ok(())
     }
 
     /// Marks what one ray could see. A ray from outside the map sees nothing of it.
@@ -123,6 +143,12 @@ impl Sightings {
     /// a sensor stood, infinity where no ray looked.
     pub fn nearest_m(&self) -> &Raster<f64> {
         &self.nearest_m
+    }
+
+    /// The observable cells that some ray entered at no more than `range_m`.
+    pub fn seen_within(&self, range_m: f64) -> Raster<bool> {
+        let near = |cell| self.contains(Region::Observable, cell) && self.nearest_m[cell] <= range_m;
+        Raster::new(*self.truth.spec(), (0..self.truth.spec().cells()).map(near).collect())
     }
 
     /// Number of hits inside the map whose cell is not truly occupied, so that they made neither
@@ -294,6 +320,31 @@ mod tests {
         for sights in [[far, near], [near, far]] {
             assert_eq!(centimetres(&seen(&["...#.."], &sights)), [0.0, 0.0, 5.0, 15.0, none, none]);
         }
+    }
+
+    #[test]
+    fn what_has_changed_is_unseen_until_a_ray_finds_it_anew() {
+        let ray = |range: f64| sight(0.05, 0.05, RIGHT, range);
+        let mut s = seen(&["......."], &[sight(0.05, 0.05, RIGHT, None)]);
+        let set = |s: &mut Sightings, world: &str| s.set_truth(&drawn(&[world])).expect("same cells");
+        assert_eq!(regions(&s), ["vvvvvvv"]);
+        set(&mut s, "...##..");
+        assert_eq!(regions(&s), ["vvvhhvv"], "nobody has seen the thing that came");
+        s.add(&ray(0.25));
+        assert_eq!(regions(&s), ["vvvsbvv"], "hit first, and what is behind");
+        set(&mut s, ".....##");
+        assert_eq!(regions(&s), ["vvvhbhh"], "it has gone on; the shell behind it was free before it came");
+        s.add(&ray(0.45));
+        assert_eq!(regions(&s), ["vvvvvsb"]);
+        assert_eq!(looks(&s), ["3333221"], "all that was looked at, in whatever state");
+        assert!(s.set_truth(&drawn(&["."])).is_err());
+    }
+
+    #[test]
+    fn within_a_range_are_the_cells_that_a_ray_entered_no_farther_away() {
+        let s = seen(&["...#.."], &[sight(0.05, 0.05, RIGHT, 0.25)]);
+        let within = |m: f64| s.seen_within(m).values().iter().filter(|near| **near).count();
+        assert_eq!([0.0, 0.1, 0.2, 0.3, 9.0].map(within), [1, 2, 3, 4, 4]);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use clap::Args;
 
 use mapper::Prior;
 use scene::{SceneError, enclosure};
-use score::{Sight, Sightings};
+use score::MovingRegion;
 use serde_json::{Value, json};
 
 use self::drawing::drawing;
@@ -15,6 +15,7 @@ use crate::output::table::{Table, aligned, rounded};
 use crate::output::warn;
 use crate::worlds::run::Ground;
 use crate::worlds::scenes::SceneOptions;
+use crate::worlds::witness::Witness;
 
 /// Options of `check`.
 #[derive(Debug, Args)]
@@ -40,7 +41,7 @@ pub fn run(options: &CheckOptions) -> Result<(), Failure> {
     let ground = Ground::new(scene, Prior::default().occupancy)?;
     warn(&ground.scene.warnings);
     warn(enclosure(&ground.scene, &ground.world, &ground.drive).warning(&options.scene).as_slice());
-    let facts = facts(&ground);
+    let facts = facts(&ground)?;
     let table = Table::of(
         &facts,
         &[("item", &|row| json!(row.0)), ("value", &|row| row.1.clone()), ("unit", &|row| json!(row.2))],
@@ -67,21 +68,18 @@ fn all(mut errors: Vec<SceneError>) -> Failure {
     }
 }
 
-fn facts(ground: &Ground) -> Vec<(String, Value, &'static str)> {
+fn facts(ground: &Ground) -> Result<Vec<(String, Value, &'static str)>, Failure> {
     let scene = &ground.scene;
     let spec = &scene.grid;
-    let mut seen = Sightings::new(&ground.truth);
+    let mut witness = Witness::new(ground);
     let (mut rays, mut hits) = (0usize, 0usize);
-    for timed in &ground.drive.poses {
-        for bearing in scene.camera.bearings_rad() {
-            let (origin_m, direction) = (timed.pose.position_m(), timed.pose.direction(bearing));
-            let range_m = ground.world.cast(origin_m, direction).map(|hit| hit.range_m);
-            rays += 1;
-            hits += usize::from(range_m.is_some());
-            seen.add(&Sight { origin_m, direction, range_m });
-        }
+    // What rays meet does not depend on the seed.
+    for (number, scan) in scene::simulate(scene, &ground.world, &ground.drive, 0).scans.iter().enumerate() {
+        witness.look(ground, number, scan)?;
+        rays += scan.true_ranges_m.len();
+        hits += scan.true_ranges_m.iter().flatten().count();
     }
-    let truths = ground.truth.values();
+    let (seen, truths) = (&witness.seen, ground.still().values());
     let known = truths.iter().flatten().count();
     let occupied = truths.iter().filter(|t| **t == Some(true)).count();
     let area = |cells: usize| rounded(cells as f64 * spec.cell_area_m2());
@@ -107,5 +105,13 @@ fn facts(ground: &Ground) -> Vec<(String, Value, &'static str)> {
     for region in &scene.regions {
         facts.push((format!("region {}", region.name), area(count(region.mask(spec))), "m²"));
     }
-    facts
+    if ground.moves() {
+        facts.push(("things that move".to_owned(), json!(ground.drive.motion.len()), "1"));
+        let moving = witness
+            .movement
+            .iter()
+            .flat_map(|movement| MovingRegion::ALL.map(|region| (region.name(), movement.moving.mask(region))));
+        facts.extend(moving.map(|(name, mask)| (format!("{name} area in the end"), area(count(mask)), "m²")));
+    }
+    Ok(facts)
 }

@@ -36,6 +36,9 @@ pub const REGION: Colour = Colour(213, 94, 0);
 /// The robot and its route.
 pub const ROUTE: Colour = Colour(0, 114, 178);
 
+/// What moves.
+pub const THING: Colour = Colour(120, 60, 200);
+
 /// Cells whose truth is not known.
 pub const UNKNOWN: Colour = Colour(214, 222, 230);
 

@@ -2,7 +2,7 @@
 
 use super::axis;
 use super::drawing::{Anchor, Drawing, Point};
-use super::ink::{self, Colour, FAINT, INK, REGION, ROUTE, SMALL, UNKNOWN};
+use super::ink::{self, Colour, FAINT, INK, REGION, ROUTE, SMALL, THING, UNKNOWN};
 use super::letters;
 use super::panel::Panel;
 
@@ -14,6 +14,7 @@ pub const HEIGHT: f64 = 200.0;
 pub enum Sign {
     Region,
     Robot,
+    Thing,
     Route,
     UnknownTruth,
 }
@@ -23,6 +24,7 @@ impl Sign {
         match self {
             Self::Region => "named region",
             Self::Robot => "robot, and where it looks",
+            Self::Thing => "what moves",
             Self::Route => "path of the sensor",
             Self::UnknownTruth => "truth not known",
         }
@@ -41,6 +43,7 @@ impl Sign {
                 drawing.disc((x - 2.0, y), 7.0, ROUTE);
                 drawing.line([(x, y), (x + 13.0, y)], ROUTE.stroke(2.5));
             }
+            Self::Thing => drawing.frame((x - 9.0, y - 7.0), (x + 9.0, y + 7.0), THING.stroke(2.5)),
             Self::Route => drawing.line([(x - 11.0, y), (x + 11.0, y)], ROUTE.stroke(3.0)),
             Self::UnknownTruth => {
                 drawing.block((x - 10.0, y - 8.0), (x + 10.0, y + 8.0), UNKNOWN);

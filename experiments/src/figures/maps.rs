@@ -10,7 +10,7 @@ use crate::worlds::run::{Ground, Stage, Trial};
 
 /// What the picture shows.
 pub const CAPTION: &str = "Maps from the same readings (compare Figures 13 and 14): the truth above, then a row per mapper and a \
-    column per stage. White is free, black occupied, light grey never seen; orange marks regions, blue the robot.";
+    column per stage. White is free, black occupied, light grey never seen; orange marks regions, blue the robot, violet what moves.";
 
 /// A panel's width at most, and that of a sheet of panels that are narrower.
 pub(super) const PANEL: f64 = 440.0;
@@ -55,6 +55,7 @@ pub(super) fn sheet(ground: &Ground, trial: &Trial, stages: &[Stage], panel: Pan
     let truth = panel.at(SIDE, HEAD);
     truth.fill(d, |cell| ink::truth(ground.truth[cell]));
     regions(d, ground, &truth);
+    things(d, ground, ground.scans(), &truth);
     let (corner, room) = if fits {
         ((SIDE + width + 4.0 * GAP, HEAD + 0.5 * (height - key::HEIGHT)), beside)
     } else {
@@ -80,7 +81,8 @@ pub(super) fn sheet(ground: &Ground, trial: &Trial, stages: &[Stage], panel: Pan
 fn signs(ground: &Ground) -> Vec<Sign> {
     let regions = (!ground.scene.regions.is_empty()).then_some(Sign::Region);
     let unknown = ground.truth.values().iter().any(Option::is_none).then_some(Sign::UnknownTruth);
-    [regions, Some(Sign::Robot), unknown].into_iter().flatten().collect()
+    let things = ground.moves().then_some(Sign::Thing);
+    [regions, Some(Sign::Robot), things, unknown].into_iter().flatten().collect()
 }
 
 /// The map of a mapper (`row`) at a stage (`column`); grey where no ray has been.
@@ -96,9 +98,17 @@ fn map(
     let shown = |cell: usize| if reached[cell] { occupancy[cell] } else { ground.prior };
     panel.fill(drawing, |cell| ink::occupancy(shown(cell), ground.prior));
     regions(drawing, ground, panel);
+    things(drawing, ground, stage.scans, panel);
     let here = ground.drive.poses.get(stage.scans.wrapping_sub(1));
     if let Some(timed) = here.filter(|timed| panel.holds(timed.pose.position_m())) {
         panel.robot(drawing, &timed.pose, ground.scene.robot.radius_m, ink::ROUTE);
+    }
+}
+
+/// What moves, as it stood at the last of so many scans.
+fn things(drawing: &mut Drawing, ground: &Ground, scans: usize, panel: &Panel) {
+    if let Some(scan) = scans.checked_sub(1).filter(|_| ground.moves()) {
+        panel.things(drawing, ground.drive.motion.shapes_at(scan).map(|(_, shape)| shape));
     }
 }
 

@@ -1,10 +1,10 @@
 //! A map in a rectangle, with marks in metres.
 
-use ::scene::Region;
+use ::scene::{Region, Shape};
 use grid::GridSpec;
 
 use super::drawing::{Anchor, Drawing, Point};
-use super::ink::{Colour, FAINT, LABEL, REGION};
+use super::ink::{Colour, FAINT, LABEL, REGION, THING};
 use super::paper::Paper;
 
 /// A rectangle of cells, drawn at `at` with so many units to a cell's side, or so many cells to a square.
@@ -132,6 +132,17 @@ impl Panel {
         }
         let (x, y) = self.place([max[0], max[1]]);
         drawing.text(&region.name, (x + 4.0, y - 4.0), LABEL, REGION, Anchor::Start);
+    }
+
+    /// Outlines of what moves, as it stands in the picture.
+    pub fn things<'a>(&self, drawing: &mut Drawing, shapes: impl Iterator<Item = &'a Shape>) {
+        for shape in shapes {
+            let outline = shape.outline_m(48);
+            if outline.iter().all(|point| self.holds(*point)) {
+                let closed = outline.iter().chain(outline.first());
+                drawing.line(closed.map(|point| self.place(*point)), THING.stroke(2.5));
+            }
+        }
     }
 
     /// A line through points (m).

@@ -11,7 +11,7 @@ use crate::worlds::run::Ground;
 
 /// What the picture shows.
 pub const CAPTION: &str = "The scene as the truth has it (compare Figure 11): obstacles black, the route of the robot blue with its \
-    stops, regions orange. Space that nobody knows the truth about is tinted and never scored.";
+    stops, regions orange, what moves violet where it is at the start. Space that nobody knows the truth about is tinted and never scored.";
 
 const MARGIN: f64 = 24.0;
 const FOOT: f64 = 74.0;
@@ -30,12 +30,15 @@ pub fn draw(ground: &Ground, paper: &Paper) -> Drawing {
     let (width, height) = panel.size();
     let mut drawing = Drawing::new(width + 2.0 * MARGIN, height + 2.0 * MARGIN + FOOT);
     let d = &mut drawing;
-    panel.fill(d, |cell| ink::truth(ground.truth[cell]));
+    panel.fill(d, |cell| ink::truth(ground.still()[cell]));
     let stops = 0..scene.stops.len();
     let way: Vec<[f64; 2]> = stops.clone().map(|stop| scene.waypoint_of(stop).at_m).collect();
     panel.path(d, &way, ROUTE);
     for region in &scene.regions {
         panel.outline(d, region);
+    }
+    if ground.moves() {
+        panel.things(d, ground.drive.motion.shapes_at(0).map(|(_, shape)| shape));
     }
     if let Some(start) = ground.drive.poses.first() {
         panel.robot(d, &start.pose, scene.robot.radius_m, ROUTE);

@@ -22,7 +22,7 @@ pub use self::decoded::{DecodedMapper, DecodedWorld, decoded};
 use self::film::Shape;
 use self::number::{Numbers, Series};
 use super::scans::{ReadingUnit, Scans};
-use super::viewer::{Mapped, ViewedWorld, Viewer};
+use super::viewer::{Mapped, Scenery, ViewedWorld, Viewer};
 use crate::output::table::{optional, rounded};
 use crate::worlds::film::{EXACT, Frame, PARTS};
 use crate::worlds::levels::{FINE, levels};
@@ -85,13 +85,13 @@ fn world(world: &ViewedWorld) -> Value {
     let ends = |scans| world.moments.iter().position(|moment| moment.scans == scans);
     let stages = world.stages.iter().map(|s| json!({ "name": s.name, "label": s.label, "moment": ends(s.scans) }));
     let regions = world.regions.iter().map(|(name, cells)| json!({ "name": name, "cells": mask(cells) }));
-    let truth = world.truth.as_ref().map(|truth| raster(&truth.map(|cell| cell.map_or(2, u8::from)), 3));
+    let truth = world.truth.as_ref().map(|truth| raster(&codes(truth), TRUTHS));
     let part = |p: &Option<Region>| p.map_or(0, |part| 1 + PARTS.iter().position(|r| *r == part).unwrap_or(0) as u8);
     let parts: Vec<Vec<u8>> =
         world.moments.iter().filter_map(|m| Some(m.parts.as_ref()?.map(part).values().to_vec())).collect();
     let millimetres = |at: &[f64; 2]| at.map(|m| json!((m * 1e3).round() / 1e3));
     let mappers: Vec<Value> = world.mappers.par_iter().map(|mapper| mapped(world, mapper)).collect();
-    json!({
+    let mut coded = json!({
         "name": world.name,
         "seed": world.seed,
         "cell_m": world.grid.cell_m,
@@ -110,7 +110,45 @@ fn world(world: &ViewedWorld) -> Value {
         "parts": base64(&film::packed(&parts, shape(world, 1 + PARTS.len(), 0))),
         "metrics": world.metrics,
         "mappers": mappers,
-    })
+    });
+    let sceneries: Vec<&Scenery> = world.moments.iter().filter_map(|moment| moment.scenery.as_ref()).collect();
+    if !sceneries.is_empty() {
+        let truths: Vec<Vec<u8>> = sceneries.iter().map(|scenery| codes(&scenery.truth).values().to_vec()).collect();
+        coded["truths"] = json!(base64(&film::packed(&truths, shape(world, TRUTHS, 0))));
+        coded["things"] = things(&sceneries);
+    }
+    coded
+}
+
+/// Number of codes of a truth: free, occupied, not known.
+const TRUTHS: usize = 3;
+
+fn codes(truth: &Raster<Option<bool>>) -> Raster<u8> {
+    truth.map(|cell| cell.map_or(2, u8::from))
+}
+
+/// What everything that moves covers, in whole millimetres, a list per moment: `[x, y, radius]` of a disc, else the corners `[x, y, x, y, ...]`, and 0 of what
+/// has not moved since the moment before.
+fn things(sceneries: &[&Scenery]) -> Value {
+    let millimetres = |m: &f64| (m * 1e3).round() as i64;
+    let outline = |shape: &::scene::Shape| -> Vec<i64> {
+        match shape {
+            ::scene::Shape::Disc { center_m: [x, y], radius_m } => [x, y, radius_m].map(millimetres).to_vec(),
+            other => other.corners_m().iter().flatten().map(millimetres).collect(),
+        }
+    };
+    let mut former: Vec<Vec<i64>> = Vec::new();
+    let mut moments = Vec::with_capacity(sceneries.len());
+    for scenery in sceneries {
+        let now: Vec<Vec<i64>> = scenery.things.iter().map(outline).collect();
+        let coded = now.iter().enumerate().map(|(thing, at)| match former.get(thing) == Some(at) {
+            true => json!(0),
+            false => json!(at),
+        });
+        moments.push(coded.collect::<Value>());
+        former = now;
+    }
+    Value::Array(moments)
 }
 
 fn mapped(world: &ViewedWorld, mapper: &Mapped) -> Value {

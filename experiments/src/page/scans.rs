@@ -5,6 +5,8 @@ use scene::SimulatedScan;
 use score::NUDGE_M;
 use sensor::Scan;
 
+use crate::worlds::run::Ground;
+
 /// What readings are.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ReadingUnit {
@@ -36,21 +38,22 @@ pub struct TrueRay {
 }
 
 impl Scans {
-    /// Those of a simulation.
-    pub fn simulated(scans: &[SimulatedScan], truth: &Raster<Option<bool>>, focal_baseline: f64) -> Self {
+    /// Those of a simulation on this ground.
+    pub fn simulated(scans: &[SimulatedScan], ground: &Ground) -> Self {
         let mut line = DigitalLine::default();
-        let mut ray = |scan: &Scan, bearing: f64, range_m: Option<f64>| {
+        let mut ray = |scan: &Scan, bearing: f64, range_m: Option<f64>, truth: &Raster<Option<bool>>| {
             let hit = range_m.unwrap_or(f64::INFINITY);
             line.trace(truth.spec(), scan.pose.position_m(), scan.pose.direction(bearing), hit + NUDGE_M);
             TrueRay { range_m, reach: reach(&line, hit, truth) }
         };
-        let of_scan = |simulated: &SimulatedScan| {
+        let of_scan = |(number, simulated): (usize, &SimulatedScan)| {
+            let truth = ground.truth_after(number + 1);
             let rays = simulated.scan.bearings_rad.iter().zip(&simulated.true_ranges_m);
-            rays.map(|(bearing, range_m)| ray(&simulated.scan, *bearing, *range_m)).collect()
+            rays.map(|(bearing, range_m)| ray(&simulated.scan, *bearing, *range_m, &truth)).collect()
         };
         Self {
-            unit: ReadingUnit::Disparity(focal_baseline),
-            truth: Some(scans.iter().map(of_scan).collect()),
+            unit: ReadingUnit::Disparity(ground.scene.matcher.stereo.focal_baseline),
+            truth: Some(scans.iter().enumerate().map(of_scan).collect()),
             scans: scans.iter().map(|simulated| simulated.scan.clone()).collect(),
         }
     }

@@ -3,11 +3,14 @@
 use std::collections::BTreeSet;
 
 use grid::{GridSpec, Raster};
-use score::{Region, Sightings};
+use scene::Shape;
+use score::{MovingRegion, Region};
 
 use super::scans::Scans;
+use crate::failure::Failure;
 use crate::worlds::film::{self, Frame};
-use crate::worlds::run::{Ground, Run, Stage, StageMap, Trial, look};
+use crate::worlds::run::{Ground, Run, Stage, StageMap, Trial};
+use crate::worlds::witness::Witness;
 
 /// Moments of a drive besides the ends of its stages, where a page shows several worlds: enough to see a map grow.
 pub const FRAMES: usize = 24;
@@ -66,6 +69,17 @@ pub struct Moment {
     /// The part of the map that each cell belongs to: visible, surface, shell or hidden; none where
     /// the truth is not known. Nothing at all of a world without a truth.
     pub parts: Option<Raster<Option<Region>>>,
+    /// How the world stands, where it moves.
+    pub scenery: Option<Scenery>,
+}
+
+/// A world that moves, at a moment.
+#[derive(Debug, Clone)]
+pub struct Scenery {
+    /// The truth of the moment.
+    pub truth: Raster<Option<bool>>,
+    /// What everything that moves covers, the same things in the same order at every moment.
+    pub things: Vec<Shape>,
 }
 
 /// One mapper's maps and scores.
@@ -98,9 +112,12 @@ pub fn every_moment(ground: &Ground, mappers: usize) -> Vec<usize> {
 
 impl ViewedWorld {
     /// The world of a trial that still has its scans, and frames at `scans` as [`moments`] gives them.
-    pub fn new(ground: &Ground, trial: &Trial, stages: &[Stage], scans: &[usize]) -> Self {
+    ///
+    /// # Errors
+    /// Scans of another ground.
+    pub fn new(ground: &Ground, trial: &Trial, stages: &[Stage], scans: &[usize]) -> Result<Self, Failure> {
         let simulated = &trial.simulation.scans;
-        Self {
+        Ok(Self {
             name: ground.scene.name.clone(),
             seed: Some(trial.seed),
             grid: ground.scene.grid,
@@ -108,19 +125,21 @@ impl ViewedWorld {
             robot_radius_m: ground.scene.robot.radius_m,
             truth: Some(ground.truth.clone()),
             route_m: Vec::new(),
-            scans: Some(Scans::simulated(simulated, &ground.truth, ground.scene.matcher.stereo.focal_baseline)),
-            moments: replay(ground, trial, scans),
+            scans: Some(Scans::simulated(simulated, ground)),
+            moments: replay(ground, trial, scans)?,
             stages: stages.to_vec(),
             regions: ground.scene.regions.iter().map(|r| (r.name.clone(), r.mask(&ground.scene.grid))).collect(),
             metrics: metrics(trial),
             mappers: trial.runs.iter().map(mapped).collect(),
-        }
+        })
     }
 }
 
+/// The viewer has no regions of a world that moves: those are in the tables.
 fn mapped(run: &Run) -> Mapped {
     let by_region = |stage: &StageMap| {
         let regions = stage.scores.chunk_by(|a, b| a.region == b.region);
+        let regions = regions.filter(|of| MovingRegion::ALL.iter().all(|region| region.name() != of[0].region));
         regions.map(|of| (of[0].region.clone(), of.iter().map(|score| score.metric.value).collect())).collect()
     };
     Mapped {
@@ -139,14 +158,18 @@ fn metrics(trial: &Trial) -> Vec<(String, String)> {
 }
 
 /// Casts no ray anew: the trial kept the true range of each.
-fn replay(ground: &Ground, trial: &Trial, scans: &[usize]) -> Vec<Moment> {
-    let mut seen = Sightings::new(&ground.truth);
+fn replay(ground: &Ground, trial: &Trial, scans: &[usize]) -> Result<Vec<Moment>, Failure> {
+    let mut witness = Witness::new(ground);
     let mut moments = Vec::with_capacity(scans.len());
     for (i, simulated) in trial.simulation.scans.iter().enumerate() {
-        look(&mut seen, simulated);
+        witness.look(ground, i, simulated)?;
         if scans.binary_search(&(i + 1)).is_ok() {
-            moments.push(Moment { scans: i + 1, parts: Some(film::parts(&seen)) });
+            let scenery = ground.moves().then(|| Scenery {
+                truth: witness.truth(ground).clone(),
+                things: ground.drive.motion.shapes_at(i).map(|(_, shape)| shape.clone()).collect(),
+            });
+            moments.push(Moment { scans: i + 1, parts: Some(film::parts(&witness.seen)), scenery });
         }
     }
-    moments
+    Ok(moments)
 }

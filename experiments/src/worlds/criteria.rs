@@ -1,7 +1,7 @@
 //! What is compared, which way is better, and which differences do not matter.
 
 use score::Better::{self, Higher, Lower};
-use score::Region;
+use score::MovingRegion;
 
 use super::drives;
 
@@ -19,14 +19,14 @@ pub struct Criterion {
     /// Which way is better, and the largest difference that does not matter, in the metric's unit. None of a
     /// metric that describes a map without judging it.
     pub judged: Option<(Better, f64)>,
-    /// The one region that it is of; none of a metric of every region.
-    pub region: Option<Region>,
+    /// Name of the one region that it is of; none of a metric of every region.
+    pub region: Option<&'static str>,
 }
 
 impl Criterion {
     /// Whether maps have this metric in a region of the given name.
     pub fn is_of(&self, region: &str) -> bool {
-        self.region.is_none_or(|own| own.name() == region)
+        self.region.is_none_or(|own| own == region)
     }
 }
 
@@ -61,7 +61,7 @@ pub const CRITERIA: [Criterion; 21] = [
 ];
 
 const fn of_drives(metric: &'static str, title: &'static str, judged: Option<(Better, f64)>) -> Criterion {
-    Criterion { metric, title, unit: "1", decimals: 3, judged, region: Some(drives::REGION) }
+    Criterion { metric, title, unit: "1", decimals: 3, judged, region: Some(drives::REGION.name()) }
 }
 
 const fn judged(
@@ -75,9 +75,40 @@ const fn judged(
     Criterion { metric, title, unit, decimals, judged: Some((better, margin)), region: None }
 }
 
+/// The metrics that only a world that moves has, each of one region, in the order of [`score::MovingScores::by_region`] and then of [`score::Lag::metrics`].
+///
+/// The margins were set before any comparison was run: half a static cell in a hundred, one swept cell in a hundred, eight cells of 5 cm of trail or ghost,
+/// half a look, two changes in a hundred.
+pub const MOVING: [Criterion; 8] = [
+    of_movement("static_accuracy", "static", "1", 3, Some((Higher, 0.005)), MovingRegion::Static.name()),
+    of_movement("dynamic_accuracy", "dynamic", "1", 3, Some((Higher, 0.01)), MovingRegion::Swept.name()),
+    of_movement("harmonic_accuracy", "harmonic", "1", 3, Some((Higher, 0.005)), MovingRegion::Swept.name()),
+    of_movement("trail_area", "trail", "m²", 2, Some((Lower, 0.02)), MovingRegion::Swept.name()),
+    of_movement("ghost_area", "ghost", "m²", 2, Some((Lower, 0.02)), MovingRegion::Changed.name()),
+    of_movement("lag_looks", "lag", "looks", 2, Some((Lower, 0.5)), MovingRegion::Changed.name()),
+    of_movement("lag_open", "lag open", "1", 3, None, MovingRegion::Changed.name()),
+    of_movement("followed_3", "followed", "1", 3, Some((Higher, 0.02)), MovingRegion::Changed.name()),
+];
+
+const fn of_movement(
+    metric: &'static str,
+    title: &'static str,
+    unit: &'static str,
+    decimals: usize,
+    judged: Option<(Better, f64)>,
+    region: &'static str,
+) -> Criterion {
+    Criterion { metric, title, unit, decimals, judged, region: Some(region) }
+}
+
+/// Every metric there is: those of any world, and those of worlds that move.
+pub fn criteria() -> impl Iterator<Item = &'static Criterion> {
+    CRITERIA.iter().chain(&MOVING)
+}
+
 /// The criterion of the given metric.
 pub fn criterion(metric: &str) -> Option<&'static Criterion> {
-    CRITERIA.iter().find(|criterion| criterion.metric == metric)
+    criteria().find(|criterion| criterion.metric == metric)
 }
 
 #[cfg(test)]
@@ -85,7 +116,7 @@ mod tests {
     use super::*;
     use grid::{GridSpec, Raster};
     use score::navigation::{Navigation, Planning};
-    use score::{Margin, Retention, Scorer};
+    use score::{Lag, Margin, Moving, Retention, Scorer};
 
     #[test]
     fn the_list_is_what_a_map_is_scored_by() {
@@ -104,6 +135,16 @@ mod tests {
     }
 
     #[test]
+    fn the_list_of_movement_is_what_a_map_of_a_world_that_moves_is_scored_by() {
+        let spec = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: 2, height: 1 };
+        let truth = Raster::filled(spec, Some(false));
+        let mut scored = Moving::new(&truth).scores(&Raster::filled(spec, 0.5)).expect("valid").by_region().to_vec();
+        scored.extend(Lag::new(&truth).metrics().map(|metric| (MovingRegion::Changed.name(), metric)));
+        let listed: Vec<_> = MOVING.iter().map(|c| (c.region.expect("one region"), c.metric, c.unit)).collect();
+        assert_eq!(listed, scored.iter().map(|(region, m)| (*region, m.name, m.unit)).collect::<Vec<_>>());
+    }
+
+    #[test]
     fn metrics_of_drives_are_of_the_whole_world() {
         let of = |metric: &str| criterion(metric).expect("listed");
         assert!(of("reached").is_of("all") && !of("reached").is_of("observable"));
@@ -112,6 +153,6 @@ mod tests {
 
     #[test]
     fn every_margin_is_one() {
-        assert!(CRITERIA.iter().filter_map(|c| c.judged).all(|(_, margin)| Margin::new(margin).is_ok()));
+        assert!(criteria().filter_map(|c| c.judged).all(|(_, margin)| Margin::new(margin).is_ok()));
     }
 }

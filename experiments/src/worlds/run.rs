@@ -1,19 +1,22 @@
 //! One drive, mapped by several rules from the same readings, and scored at every stage.
 
-use std::sync::{Arc, OnceLock};
+use std::borrow::Cow;
+use std::sync::Arc;
 
 use grid::Raster;
 use mapper::catalogue::{Entry, Kind};
 use mapper::{Mapper, Model, Sensors};
 use rayon::prelude::*;
 use scene::{Drive, Scene, SimulatedScan, Simulation, World};
-use score::navigation::{Navigation, Planning};
-use score::{Metric, Region, Retention, Scorer, Sight, Sightings, log_loss};
+use score::navigation::Planning;
+use score::{Lag, Metric, MovingRegion, Region, Retention, Scorer, Sightings, log_loss};
 use sensor::{Scan, Stereo};
 use serde::Serialize;
 
 use super::drives::{self, DriveOptions};
 use super::film::{self, Frame, Judge};
+use super::witness::Witness;
+use super::yard::Yards;
 use crate::failure::Failure;
 
 /// What does not depend on the seed: the scene, the way through it, and the truth.
@@ -24,8 +27,10 @@ pub struct Ground {
     pub world: World,
     /// The robot's poses.
     pub drive: Drive,
-    /// The truth: occupied, free, or not known and not scored.
+    /// The truth at the end of the drive: occupied, free, or not known and not scored.
     pub truth: Raster<Option<bool>>,
+    /// The truth without what moves, where anything does.
+    still: Option<Raster<Option<bool>>>,
     /// Occupancy that the mappers expect of an unseen cell: what pictures show as not known.
     pub prior: f64,
     /// How drives are planned on the maps ...
@@ -33,7 +38,7 @@ pub struct Ground {
     /// ... and on which of them.
     pub driven: Driven,
     /// The drives, drawn when the first map is scored.
-    navigation: OnceLock<Navigation>,
+    yards: Yards,
 }
 
 /// The maps on which drives are planned.
@@ -138,22 +143,70 @@ impl Ground {
     /// A route that is blocked.
     pub fn new(scene: Scene, prior: f64) -> Result<Self, Failure> {
         let drive = scene::drive(&scene)?;
-        Ok(Self {
+        let ground = Self {
             world: World::new(&scene),
             truth: scene::truth(&scene),
+            still: None,
             drive,
             planning: DriveOptions::default().planning(scene.robot.radius_m),
             driven: Driven::default(),
-            navigation: OnceLock::new(),
+            yards: Yards::default(),
             scene,
             prior,
-        })
+        };
+        Ok(ground.at_its_end())
+    }
+
+    /// The same, with the truth of the end of the drive.
+    fn at_its_end(mut self) -> Self {
+        if self.moves() {
+            self.still.get_or_insert_with(|| self.truth.clone());
+            self.truth = self.truth_after(self.scans()).into_owned();
+        }
+        self
+    }
+
+    /// Whether anything moves but the robot.
+    pub fn moves(&self) -> bool {
+        !self.drive.motion.is_empty()
+    }
+
+    /// The truth without what moves.
+    pub fn still(&self) -> &Raster<Option<bool>> {
+        self.still.as_ref().unwrap_or(&self.truth)
+    }
+
+    /// The cells that moving things cover at a scan, counted from 0.
+    pub fn covered_at(&self, scan: usize) -> Raster<bool> {
+        scene::covered_at(&self.scene, &self.drive, scan)
+    }
+
+    /// The truth as it was at the last of so many scans: occupied is what stands there, moving or not.
+    pub fn truth_after(&self, scans: usize) -> Cow<'_, Raster<Option<bool>>> {
+        let Some(scan) = scans.checked_sub(1).filter(|_| self.moves()) else { return Cow::Borrowed(self.still()) };
+        let mut truth = self.still().clone();
+        for (cell, covered) in truth.values_mut().iter_mut().zip(self.covered_at(scan).values()) {
+            if *cell == Some(false) {
+                *cell = Some(*covered);
+            }
+        }
+        Cow::Owned(truth)
+    }
+
+    /// Leaves in the drive the scans of these numbers, from 0 and rising, as one stage: that of the last one.
+    pub fn with_scans(mut self, scans: &[usize]) -> Self {
+        self.drive.poses = scans.iter().map(|scan| self.drive.poses[*scan]).collect();
+        self.drive.motion = self.drive.motion.at(scans);
+        if let Some((name, _)) = self.drive.stage_ends.pop() {
+            self.drive.stage_ends = vec![(name, scans.len())];
+        }
+        self.at_its_end()
     }
 
     /// Has drives planned as the options say, on these maps.
     pub fn with_drives(self, options: &DriveOptions, driven: Driven) -> Self {
         let planning = options.planning(self.scene.robot.radius_m);
-        Self { planning, driven, navigation: OnceLock::new(), ..self }
+        Self { planning, driven, yards: Yards::default(), ..self }
     }
 
     /// Has no drives planned: scores take less time.
@@ -190,25 +243,27 @@ impl Ground {
         watch: &(impl Fn(usize, Option<&Moment>) + Sync),
     ) -> Result<Trial, Failure> {
         let simulation = scene::simulate(&self.scene, &self.world, &self.drive, seed);
-        let mut seen = Sightings::new(&self.truth);
+        let mut witness = Witness::new(self);
         let mut reached = Vec::new();
         let sharp = Model { sensors: Sensors::one(Arc::new(self.sharp())), ..setup.clone() };
         let setup = |entry: &Entry| if entry.kind == Kind::NoiseFree { &sharp } else { setup };
-        let mut walks: Vec<Walk> = mappers.iter().map(|entry| Walk::new(entry, setup(entry), &self.truth)).collect();
+        let mut walks: Vec<Walk> = mappers.iter().map(|entry| Walk::new(entry, setup(entry), self)).collect();
         let noise_free = mappers.iter().any(|entry| entry.kind == Kind::NoiseFree);
         let named: Vec<_> = self.scene.regions.iter().map(|region| region.mask(self.truth.spec())).collect();
         for (i, simulated) in simulation.scans.iter().enumerate() {
-            look(&mut seen, simulated);
+            witness.look(self, i, simulated)?;
+            let seen = &witness.seen;
             let stages = simulation.stages.iter().filter(|stage| stage.scans == i + 1).count();
             let now = Now {
                 scans: i + 1,
                 scan: &simulated.scan,
                 noise_free: noise_free.then(|| self.noise_free(simulated)),
-                seen: &seen,
+                witness: &witness,
+                truth: witness.truth(self),
                 observable: keep.timeline.then(|| seen.mask(Region::Observable)),
                 stages,
                 reached: (stages > 0).then(|| seen.looks().map(|looks| *looks > 0)),
-                parts: keep.frames.binary_search(&(i + 1)).is_ok().then(|| film::parts(&seen)),
+                parts: keep.frames.binary_search(&(i + 1)).is_ok().then(|| film::parts(seen)),
                 named: &named,
                 last: i + 1 == simulation.scans.len(),
             };
@@ -218,7 +273,8 @@ impl Ground {
             })?;
             reached.extend(now.reached.iter().flat_map(|reached| vec![reached.clone(); stages]));
         }
-        Ok(Trial { seed, simulation, seen, reached, runs: walks.into_iter().map(|walk| walk.run).collect() })
+        let runs = walks.into_iter().map(|walk| walk.run).collect();
+        Ok(Trial { seed, simulation, seen: witness.seen, reached, runs })
     }
 
     /// The camera that gives noise-free readings, as nearly as a mapper can assume it: not so sharp that a
@@ -234,39 +290,43 @@ impl Ground {
         Scan { readings, ..simulated.scan.clone() }
     }
 
-    /// Every metric over every region: those that follow from the rays, and those the scene names; and of drives.
-    fn score(&self, mapper: &dyn Mapper, now: &Now, retention: &Retention) -> Result<Vec<RegionScore>, Failure> {
-        let (map, seen) = (mapper.occupancy(), now.seen);
+    /// Every metric over every region: those that follow from the rays, those the scene names, and those of a world that moves; and of drives.
+    fn score(&self, walk: &Walk, now: &Now) -> Result<Vec<RegionScore>, Failure> {
+        let (map, seen) = (walk.mapper.occupancy(), &now.witness.seen);
         let driven = self.planning.pairs > 0 && (now.last || self.driven == Driven::EveryStage);
-        let scorer = Scorer::new(&self.truth, seen.surface())?;
+        let scorer = Scorer::new(now.truth, seen.surface())?;
         let by_rays = Region::ALL.iter().map(|region| (region.name().to_owned(), seen.mask(*region)));
         let by_name = self.scene.regions.iter().map(|region| (region.name.clone(), region.mask(self.truth.spec())));
+        let moving = now.witness.movement.as_ref().map(|movement| &movement.moving);
+        let by_movement = moving
+            .into_iter()
+            .flat_map(|moving| MovingRegion::ALL.iter().map(|region| (region.name().to_owned(), moving.mask(*region))));
+        let of_map = moving.map(|moving| moving.scores(map)).transpose()?;
+        let mut of_movement = of_map.map_or_else(Vec::new, |scores| scores.by_region().to_vec());
+        let lags = walk.lag.iter().flat_map(Lag::metrics);
+        of_movement.extend(lags.map(|lag| (MovingRegion::Changed.name(), lag)));
         let mut scores = Vec::new();
-        for (region, mask) in by_rays.chain(by_name) {
+        for (region, mask) in by_rays.chain(by_name).chain(by_movement) {
             let metrics = scorer.scores(map, &mask)?.metrics();
             let driven = driven && region == drives::REGION.name();
             let of_drives = match &now.reached {
-                Some(reached) if driven => self.drives(mapper, reached)?,
+                Some(reached) if driven => self.drives(&*walk.mapper, now.scans, reached)?,
                 _ => Vec::new(),
             };
-            for metric in metrics.into_iter().chain([retention.metric(Some(&mask))?]).chain(of_drives) {
+            let of_movement = of_movement.iter().filter(|(of, _)| *of == region).map(|(_, metric)| *metric);
+            let retention = walk.retention.metric(Some(&mask))?;
+            for metric in metrics.into_iter().chain([retention]).chain(of_drives).chain(of_movement) {
                 scores.push(RegionScore { region: region.clone(), metric });
             }
         }
         Ok(scores)
     }
 
-    /// The metrics of drives planned on a map that knows the cells that some ray reached.
-    fn drives(&self, mapper: &dyn Mapper, reached: &Raster<bool>) -> Result<Vec<Metric>, Failure> {
-        let navigation = self.navigation.get_or_init(|| Navigation::new(&self.truth, self.planning));
-        Ok(drives::metrics(navigation, &self.world, mapper.occupancy(), mapper.pairwise().as_ref(), reached)?)
-    }
-}
-
-/// Takes in what the rays of a scan could see, without the noise of its readings.
-pub fn look(seen: &mut Sightings, simulated: &SimulatedScan) {
-    for (ray, &range_m) in simulated.scan.rays().zip(&simulated.true_ranges_m) {
-        seen.add(&Sight { origin_m: ray.origin_m, direction: ray.direction, range_m });
+    /// The metrics of drives planned on a map that knows the cells that some ray reached, after so many scans.
+    fn drives(&self, mapper: &dyn Mapper, scans: usize, reached: &Raster<bool>) -> Result<Vec<Metric>, Failure> {
+        let yard = self.yards.after(scans, self, self.planning);
+        let (map, pairs) = (mapper.occupancy(), mapper.pairwise());
+        Ok(drives::metrics(&yard.navigation, yard.world(self), map, pairs.as_ref(), reached)?)
     }
 }
 
@@ -275,7 +335,9 @@ struct Now<'a> {
     scans: usize,
     scan: &'a Scan,
     noise_free: Option<Scan>,
-    seen: &'a Sightings,
+    witness: &'a Witness,
+    /// The truth of the moment.
+    truth: &'a Raster<Option<bool>>,
     observable: Option<Raster<bool>>,
     /// Number of stages that end with this scan.
     stages: usize,
@@ -290,18 +352,20 @@ struct Now<'a> {
 }
 
 /// Metrics that follow from the maps after every scan.
-const OF_EVERY_SCAN: [&str; 1] = ["retention"];
+const OF_EVERY_SCAN: [&str; 4] = ["retention", "lag_looks", "lag_open", "followed_3"];
 
 /// A mapper on its way.
 struct Walk {
     kind: Kind,
     mapper: Box<dyn Mapper>,
     retention: Retention,
+    /// How long it takes to follow changes, in a world that moves.
+    lag: Option<Lag>,
     run: Run,
 }
 
 impl Walk {
-    fn new(entry: &Entry, setup: &Model, truth: &Raster<Option<bool>>) -> Self {
+    fn new(entry: &Entry, setup: &Model, ground: &Ground) -> Self {
         let mapper = entry.mapper(setup);
         let run = Run {
             mapper: entry.name,
@@ -310,7 +374,9 @@ impl Walk {
             frames: Vec::new(),
             program: mapper.outside().map(|_| ProgramRun::default()),
         };
-        Self { kind: entry.kind, mapper, retention: Retention::new(truth), run }
+        let truth = ground.still();
+        let lag = ground.moves().then(|| Lag::new(truth));
+        Self { kind: entry.kind, mapper, retention: Retention::new(truth), lag, run }
     }
 
     /// One more scan. A batch mapper has a map, and so retention, at the ends of stages only.
@@ -321,15 +387,18 @@ impl Walk {
             self.mapper.settle();
         }
         let fault = self.account(now.stages);
+        if let Some(movement) = &now.witness.movement {
+            self.retention.leave_out(&movement.covered)?;
+        }
         if !has_map {
             return Ok(None);
         }
-        let map = self.mapper.occupancy();
         if fault.is_none() {
-            self.retention.observe(now.seen.visible(), map)?;
+            self.follow(now)?;
         }
+        let map = self.mapper.occupancy();
         for _ in 0..now.stages {
-            let mut scores = ground.score(&*self.mapper, now, &self.retention)?;
+            let mut scores = ground.score(self, now)?;
             let batch_program = self.run.program.is_some() && self.kind == Kind::Batch;
             for metric in scores.iter_mut().map(|score| &mut score.metric) {
                 if fault.is_some() || batch_program && OF_EVERY_SCAN.contains(&metric.name) {
@@ -342,7 +411,7 @@ impl Walk {
             return Ok(None);
         }
         if let Some(parts) = &now.parts {
-            let judge = Judge { truth: &ground.truth, parts, named: now.named };
+            let judge = Judge { truth: now.truth, parts, named: now.named };
             let online = self.kind != Kind::Batch;
             self.run.frames.push(Frame {
                 scans: now.scans,
@@ -354,11 +423,22 @@ impl Walk {
         let Some(observable) = now.observable.as_ref().filter(|_| self.kind != Kind::Batch) else { return Ok(None) };
         let moment = Moment {
             time_s: now.scan.time_s,
-            log_loss: log_loss(map, &ground.truth, observable)?.value,
+            log_loss: log_loss(map, now.truth, observable)?.value,
             retention: self.retention.metric(None)?.value,
         };
         self.run.timeline.push(moment);
         Ok(Some(moment))
+    }
+
+    /// Takes note of the map after a scan, for the metrics that have a history. A batch mapper has no map after most scans, and so no lag.
+    fn follow(&mut self, now: &Now) -> Result<(), Failure> {
+        let map = self.mapper.occupancy();
+        self.retention.observe(now.witness.seen.visible(), map)?;
+        let movement = now.witness.movement.as_ref().filter(|_| self.kind != Kind::Batch);
+        if let (Some(lag), Some(movement)) = (&mut self.lag, movement) {
+            lag.observe(now.truth, &movement.near, map)?;
+        }
+        Ok(())
     }
 
     /// Takes down what became of a program that works for the mapper; gives why there is no map, if there is none.

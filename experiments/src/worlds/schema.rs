@@ -4,6 +4,7 @@
 //! fits through a door no schema says; `check` does.
 
 mod family;
+mod moving;
 mod scene;
 
 use serde_json::{Map, Value, json};

@@ -11,8 +11,10 @@ macro_rules! files {
 pub const FILES: Brought = files![
     "scenes/closets.toml",
     "scenes/clutter.toml",
+    "scenes/corridor-people.toml",
     "scenes/corridors.toml",
     "scenes/halls.toml",
+    "scenes/office-visits.toml",
     "scenes/room.toml",
     "scenes/two-rooms.toml",
     "scenes/uma.toml",

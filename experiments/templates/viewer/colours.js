@@ -11,6 +11,7 @@ const INK = {
   outside: [70, 80, 96],
   region: [170, 30, 140],
   route: [0, 130, 90],
+  thing: [120, 60, 200],
   reading: [240, 215, 40],
   cursor: [255, 214, 0],
 };

@@ -48,6 +48,7 @@ function paint(canvas, scene, colour) {
   };
   for (const mask of scene.ground.regions.values()) outline(pen, world, mask, view);
   if (scene.drawScan && scene.scan) drawScan(pen, scene, view);
+  things(pen, scene, view);
   route(pen, scene, view);
   if (scene.scan) robot(pen, scene, view);
   if (scene.cursor !== null) cursor(pen, world, scene.cursor, view);
@@ -124,6 +125,23 @@ function drawScan(pen, { world, scan, drawRays }, { at }) {
     pen.stroke();
     pen.fill();
   });
+}
+
+/** Outlines of what moves: a disc has three numbers, anything else its corners, m. */
+function things(pen, { ground, moment }, { at, scale }) {
+  for (const [x, y, ...rest] of ground.things[moment] ?? []) {
+    pen.beginPath();
+    const [column, row] = at(x, y);
+    if (rest.length === 1) {
+      const [right] = at(x + rest[0], y);
+      pen.arc(column, row, right - column, 0, 2 * Math.PI);
+    } else {
+      pen.moveTo(column, row);
+      for (let k = 0; k < rest.length; k += 2) pen.lineTo(...at(rest[k], rest[k + 1]));
+      pen.closePath();
+    }
+    stroke(pen, [[css([255, 255, 255], 0.8), Math.max(scale / 2, 4)], [css(INK.thing), Math.max(scale / 4, 2)]]);
+  }
 }
 
 /** The way so far. */

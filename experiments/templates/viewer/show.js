@@ -4,6 +4,7 @@
 function advance() {
   const { world, ground, panels } = shown;
   const { levels, fine } = DATA.scale;
+  if (ground.truths) ground.truth = ground.truths[chosen.moment];
   shown.scan = ground.scans[world.moments[chosen.moment] - 1] ?? null;
   for (const panel of panels) {
     panel.frame = panel.mapper.moments.findLastIndex((moment) => moment <= chosen.moment);
@@ -113,6 +114,7 @@ function showLegend({ world, ground, looks, scan }) {
   const lines = [
     ...(ground.truth ? [["outside the region", "hatched", ""]] : []),
     ...(world.regions.length ? [[`region ${world.regions.map((region) => region.name).join(", ")}`, "line", css(INK.region)]] : []),
+    ...(ground.things.length ? [["what moves, where it is now", "line", css(INK.thing)]] : []),
     ...(scan || world.route.length ? [["the way so far, and the robot", "line", css(INK.route)]] : []),
     ...(scan && chosen.scan ? [["rays", "line", css(INK.route, 0.35)], ["field of view", "dashed", css(INK.route)], ["readings", "dot", css(INK.reading)]] : []),
     ["the cell pointed at", "frame", css(INK.cursor)],

@@ -8,11 +8,11 @@
  *   poses: number[][], times: number[], readings: string, truth: {ranges: string, reach: string}|null}} PackedScans
  * @typedef {{name: string, seed: number|null, cell_m: number, origin_m: number[], width: number, height: number, prior: number,
  *   radius_m: number, route: number[][], scans: PackedScans|null, moments: number[], stages: Stage[],
- *   regions: {name: string, cells: string}[], region_names: string[], truth: string|null, parts: string,
+ *   regions: {name: string, cells: string}[], region_names: string[], truth: string|null, truths?: string, things?: (0|number[])[][], parts: string,
  *   metrics: string[][], mappers: Mapper[]}} World
  * @typedef {{bearings: number[], pose: number[], time_s: number, readings: (number|null)[], ranges: (number|null)[]|null,
  *   reach: number[]|null}} Scan
- * @typedef {{truth: Uint8Array|null, parts: Uint8Array[], regions: Map<string, Uint8Array>, scans: Scan[]}} Ground
+ * @typedef {{truth: Uint8Array|null, truths: Uint8Array[]|null, things: number[][][], parts: Uint8Array[], regions: Map<string, Uint8Array>, scans: Scan[]}} Ground
  * @typedef {{levels: Uint8Array[], fine: Map<number, Int16Array>, exact: Map<string, (number|null)[]>, known: Uint8Array|null}} Maps
  */
 
@@ -42,10 +42,19 @@ const maskOf = (world, text) => film(text, 1, shapeOf(world, 2))[0];
 /** @param {World} world @returns {Ground} */
 const groundOf = (world) => once(world, () => ({
   truth: world.truth === null ? null : film(world.truth, 1, shapeOf(world, 3))[0],
+  truths: world.truths ? film(world.truths, world.moments.length, shapeOf(world, 3)) : null,
+  things: thingsOf(world.things ?? []),
   parts: film(world.parts, world.truth === null ? 0 : world.moments.length, shapeOf(world, PARTS.length)),
   regions: new Map(world.regions.map(({ name, cells }) => [name, maskOf(world, cells)])),
   scans: world.scans ? scansOf(world.scans) : [],
 }));
+
+/** What everything that moves covers at each moment, m; what has not moved since the moment before is coded as 0.
+ * @param {(0|number[])[][]} moments mm @returns {number[][][]} */
+function thingsOf(moments) {
+  let former = [];
+  return moments.map((now) => (former = now.map((thing, k) => (thing === 0 ? former[k] : thing.map((mm) => mm / 1e3)))));
+}
 
 /** @param {PackedScans} packed @returns {Scan[]} */
 function scansOf(packed) {

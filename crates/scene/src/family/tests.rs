@@ -240,3 +240,36 @@ fn one_door_for_scenes_and_layouts() {
     let message = Scene::load(&scenes.join("clutter.toml"), None).map(|_| ()).expect_err("refused").to_string();
     assert!(message.contains("describes a family of scenes, not a scene"), "{message}");
 }
+
+#[test]
+fn people_come_by_the_area_and_leave_the_rest_of_a_layout_alone() {
+    for name in SHIPPED {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../scenes/{name}.toml"));
+        let text = std::fs::read_to_string(&path).expect("readable");
+        let busy = text.replacen("[generate]", "[generate]\npeople_per_100_m2 = [4.0, 8.0]", 1);
+        let (calm, busy) = (shipped(name), Family::parse(&busy, &path).expect("a valid family"));
+        let (mut kinds, mut per_100_m2) = ([0; 3], 0.0);
+        for seed in Set::Robustness.seeds(8) {
+            let scene = busy.scene(seed, None, &Variation::default()).unwrap_or_else(|e| panic!("{e}"));
+            let without = calm.scene(seed, None, &Variation::default()).expect("a scene");
+            assert!(scene.obstacles.iter().zip(&without.obstacles).all(|(a, b)| a.shape == b.shape));
+            assert_eq!((&scene.waypoints, scene.obstacles.len()), (&without.waypoints, without.obstacles.len()));
+            assert_eq!((scene.motion_seed, without.movers.len()), (seed, 0));
+            let [_, [width, height]] = scene.bounds_m;
+            per_100_m2 += scene.movers.len() as f64 / (width * height) * 100.0 / 8.0;
+            for mover in &scene.movers {
+                kinds[match mover.behaviour {
+                    crate::Behaviour::Route { .. } => 0,
+                    crate::Behaviour::Follower { .. } => 1,
+                    crate::Behaviour::Loiterer { .. } => 2,
+                }] += 1;
+            }
+            let drive = drive(&scene).unwrap_or_else(|e| panic!("{name}: {e}"));
+            assert_eq!(drive.motion.len(), scene.movers.len());
+        }
+        assert!(
+            (4.0..8.0).contains(&per_100_m2) && kinds.iter().all(|kind| *kind > 0),
+            "{name}: {per_100_m2} {kinds:?}"
+        );
+    }
+}

@@ -5,7 +5,7 @@ use std::path::Path;
 use strict::{Error, Limit, Table, open};
 
 use super::findings::{Findings, first};
-use super::limits::{CLEARANCE, COVERED, OBSTACLE, OPENING, SHARE, SIDE, SPREAD, THICKNESS};
+use super::limits::{CLEARANCE, COVERED, OBSTACLE, OPENING, PEOPLE, SHARE, SIDE, SPREAD, THICKNESS};
 use super::{camera, cells};
 use crate::generate::{Kind, Plan};
 use crate::{Family, SceneError};
@@ -18,7 +18,7 @@ const CARRIED: [&str; 4] = ["grid", "camera", "sensor", "robot"];
 /// Longest name: with a hyphen and a layout number of up to 20 digits it is a scene's name of 32.
 const LONGEST_NAME: usize = 11;
 
-const COMMON: [&str; 10] = [
+const COMMON: [&str; 11] = [
     "kind",
     "width",
     "height",
@@ -29,6 +29,7 @@ const COMMON: [&str; 10] = [
     "along_walls",
     "clearance",
     "wall_thickness",
+    "people_per_100_m2",
 ];
 
 /// Whether a text is a family file rather than a scene's.
@@ -126,6 +127,10 @@ fn plan(table: &Table, found: &mut Findings) -> Option<Plan> {
     let [discs, along_walls] = [or("discs", &SHARE, 0.25), or("along_walls", &SHARE, 0.3)];
     let [clearance_m, wall_m] = [or("clearance", &CLEARANCE, 0.1), or("wall_thickness", &THICKNESS, 0.1)];
     let covered = found.take(table.number("covered", &COVERED));
+    let people_per_100_m2 = match table.get("people_per_100_m2") {
+        None => None,
+        Some(_) => found.take(range(table, "people_per_100_m2", &PEOPLE)),
+    };
     Some(Plan {
         kind: kind?,
         size_m: [width?, height?],
@@ -136,6 +141,7 @@ fn plan(table: &Table, found: &mut Findings) -> Option<Plan> {
         along_walls,
         clearance_m,
         wall_m,
+        people_per_100_m2,
     })
 }
 

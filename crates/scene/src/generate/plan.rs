@@ -47,6 +47,8 @@ pub(crate) struct Plan {
     pub(crate) clearance_m: f64,
     /// Thickness of walls.
     pub(crate) wall_m: f64,
+    /// Least and most people per 100 m² of the outer area; a family without the key has none.
+    pub(crate) people_per_100_m2: Option<[f64; 2]>,
 }
 
 /// To the millimetre.

@@ -277,7 +277,8 @@ fn mismatches_repeat_while_the_robot_stands_and_noise_does_not() {
 
 #[test]
 fn what_a_ray_saw_before_somebody_crossed_it_sees_again() {
-    let crossing = "[[mover]]\nradius = 0.2\nroute = [[3.0, 3.6], [3.0, 0.3], [1.0, 0.3]]\nrepeat = \"once\"\nstart_s = 10.0\n";
+    let crossing =
+        "[[mover]]\nradius = 0.2\nroute = [[3.0, 3.6], [3.0, 0.3], [1.0, 0.3]]\nrepeat = \"once\"\nstart_s = 10.0\n";
     let sharp = "[sensor]\ndisparity_sigma = 0.001\n";
     let (_, simulation) = standing(&format!("{sharp}{crossing}"), "");
     let (_, empty) = standing(sharp, "");

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use score::Region;
+use score::{MovingRegion, Region};
 use serde_json::Value;
 
 use super::answer::answer;
@@ -30,7 +30,10 @@ pub fn sections(plan: &Plan, rows: &Rows, pictures: &[Picture]) -> Vec<Section> 
             ["log_loss", "brier"].map(|metric| Part::Sheet(sheets::parts(rows, &mappers, &parts, metric, Width::Page))),
         );
     }
-    places.extend(Region::ALL.iter().map(|region| region_fold(rows, &mappers, region.name())));
+    let shown = |region: &&str| rows.means.iter().any(|mean| mean.region == **region);
+    let regions = Region::ALL.iter().map(|region| region.name());
+    let regions = regions.chain(MovingRegion::ALL.iter().map(|region| region.name()).filter(shown));
+    places.extend(regions.map(|region| region_fold(rows, &mappers, region)));
     let mut trust = Vec::new();
     trust.extend(["reliability.png", "profiles.png"].into_iter().filter_map(picture));
     let mut sections = vec![
@@ -44,6 +47,14 @@ pub fn sections(plan: &Plan, rows: &Rows, pictures: &[Picture]) -> Vec<Section> 
         section("How far a map can be taken at its word", TRUST, trust),
         section("What each idea is worth", ABLATIONS, vec![Part::Sheet(sheets::ablations(rows, &mappers))]),
     ];
+    if let Some(moved) = sheets::moved(rows, &mappers, Width::Page) {
+        let mut parts = vec![Part::Sheet(moved)];
+        for metric in ["harmonic_accuracy", "trail_area"] {
+            let region = MovingRegion::Swept.name();
+            parts.push(Part::Sheet(sheets::differences(rows, &mappers, ALL, region, metric, Width::Page)));
+        }
+        sections.insert(1, section("What becomes of what moves", MOVED, parts));
+    }
     if !rows.repeats.is_empty() {
         let mut again: Vec<Part> = picture("repeats.png").into_iter().collect();
         again.push(Part::Sheet(sheets::repeats(rows, &mappers, "Log loss, nats/cell,", 3, |r| r.log_loss)));
@@ -59,6 +70,10 @@ const BETTER: &str = "Every mapper has the same readings, and every world is a p
     signed-rank test with Holm's correction over all mappers and metrics of one scope and region, d_z is the mean over the standard \
     deviation of the differences. A mapper is equivalent where the interval lies inside the margin, which was set beforehand; \
     better or worse where the interval excludes zero and the adjusted p is at most 0.05; else undecided, which is not the same as no difference.";
+const MOVED: &str = "Static: the share of the cells that nothing has covered which a map holds right. Dynamic: the share of the cells where something has been, and is \
+    no more, that it holds free again; harmonic: the harmonic mean of both, never to be read alone. Trail: the area of those held occupied; ghost: the largest patch of \
+    changed cells that are free now and held occupied. Lag: the mean number of looks from at most 4 m until a change is in the map, 10 at most; followed: the share of changes \
+    that are within 3.";
 const DRIVES: &str = "Drives between pairs of places that follow from the truth alone, 200 a world unless asked otherwise and the same for every mapper: \
     planned on the map of the whole drive, on which a cell above the threshold (0.5) is an obstacle, as is what no ray reached (--plan-unknown), and driven as the \
     robot's disc in the exact world. Reached: the share planned and driven without a collision. Colliding: the share planned and driven into something. \

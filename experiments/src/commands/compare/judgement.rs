@@ -1,11 +1,11 @@
 //! Which mapper is better than the reference, where, by how much and how surely.
 
 use rayon::prelude::*;
-use score::{Comparison, Margin, Region, StatisticsError, Verdict, holm_table};
+use score::{Comparison, Margin, StatisticsError, Verdict, holm_table};
 
-use super::world::WorldScores;
+use super::world::{WorldScores, judged_in};
 use crate::failure::Failure;
-use crate::worlds::criteria::{CRITERIA, Criterion};
+use crate::worlds::criteria::Criterion;
 
 /// A set of worlds that is judged together.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,18 +66,21 @@ pub fn judge(
     reference: &str,
 ) -> Result<Vec<Judgement>, Failure> {
     let rivals: Vec<&str> = mappers.iter().copied().filter(|name| *name != reference).collect();
-    let tables: Vec<(&Scope, Region)> =
-        scopes.iter().flat_map(|scope| Region::ALL.iter().map(move |region| (scope, *region))).collect();
-    let judged: Result<Vec<_>, StatisticsError> =
-        tables.par_iter().map(|(scope, region)| table(worlds, scope, region.name(), &rivals, reference)).collect();
+    let (regions, criteria) = judged_in(worlds);
+    let tables: Vec<(&Scope, &'static str)> =
+        scopes.iter().flat_map(|scope| regions.iter().map(move |region| (scope, *region))).collect();
+    let judged: Result<Vec<_>, StatisticsError> = tables
+        .par_iter()
+        .map(|(scope, region)| table(worlds, (scope, region), &criteria, &rivals, reference))
+        .collect();
     Ok(judged.map_err(Failure::internal)?.into_iter().flatten().collect())
 }
 
 /// One table: a row per rival, a column per metric; one family of tests.
 fn table(
     worlds: &[WorldScores],
-    scope: &Scope,
-    region: &'static str,
+    (scope, region): (&Scope, &'static str),
+    criteria: &[&'static Criterion],
     rivals: &[&str],
     reference: &str,
 ) -> Result<Vec<Judgement>, StatisticsError> {
@@ -86,7 +89,7 @@ fn table(
     };
     let mut rows = Vec::new();
     for rival in rivals {
-        for (number, criterion) in CRITERIA.iter().enumerate().filter(|(_, criterion)| criterion.is_of(region)) {
+        for (number, &criterion) in criteria.iter().enumerate().filter(|(_, criterion)| criterion.is_of(region)) {
             let (theirs, ours) = (values(rival, number), values(reference, number));
             let pairs: Vec<(f64, f64)> = theirs.iter().zip(&ours).filter_map(|(t, o)| Some(((*t)?, (*o)?))).collect();
             let mean = |of: fn(&(f64, f64)) -> f64| {
@@ -108,7 +111,7 @@ fn table(
     }
     let p =
         |row: &Judgement| row.comparison.as_ref().filter(|_| row.criterion.judged.is_some()).map(|c| c.signed_rank.p);
-    let metrics = CRITERIA.iter().filter(|criterion| criterion.is_of(region)).count();
+    let metrics = criteria.iter().filter(|criterion| criterion.is_of(region)).count();
     let adjusted = holm_table(&rows.chunks(metrics).map(|row| row.iter().map(p).collect()).collect::<Vec<_>>())?;
     for (row, adjusted) in rows.iter_mut().zip(adjusted.into_iter().flatten()) {
         row.adjusted_p = adjusted;
@@ -140,7 +143,9 @@ pub fn find<'a>(
 mod tests {
     use super::*;
     use crate::commands::compare::world::{MapScores, RegionScores, WorldJob};
+    use crate::worlds::criteria::CRITERIA;
     use crate::worlds::site::WorldId;
+    use score::Region;
 
     /// Worlds in which every metric of every region is the value given for each mapper.
     fn worlds(values: &[[Option<f64>; 2]]) -> Vec<WorldScores> {

@@ -2,12 +2,12 @@
 
 use mapper::catalogue::{Entry, Kind};
 use scene::Family;
-use score::{Region, Scorer, Sightings};
+use score::{Region, Scorer};
 
 use super::world::WorldJob;
 use crate::failure::Failure;
-use crate::worlds::run::look;
 use crate::worlds::site::{Assumptions, Site};
+use crate::worlds::witness::Witness;
 
 /// A map after so many repeats of one scan, over what that scan could see.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,10 +51,10 @@ pub fn repeat(
     let mut repeated = Vec::new();
     for number in (0..scans).map(|k| k * simulation.scans.len() / scans) {
         let simulated = &simulation.scans[number];
-        let mut seen = Sightings::new(&ground.truth);
-        look(&mut seen, simulated);
-        let mask = seen.mask(Region::Observable);
-        let scorer = Scorer::new(&ground.truth, seen.surface())?;
+        let mut witness = Witness::new(&ground);
+        witness.look(&ground, number, simulated)?;
+        let mask = witness.seen.mask(Region::Observable);
+        let scorer = Scorer::new(witness.truth(&ground), witness.seen.surface())?;
         for entry in mappers.iter().filter(|entry| entry.kind == Kind::Online) {
             let mut mapper = entry.mapper(&setup);
             let mut done = 0;

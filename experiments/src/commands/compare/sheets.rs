@@ -1,7 +1,7 @@
 //! The tables of a comparison, for reading.
 
-use score::Region;
 use score::navigation::Navigation;
+use score::{MovingRegion, Region};
 
 use super::plan::REFERENCE;
 use super::rows::{Difference, Repeat, Rows};
@@ -19,6 +19,10 @@ const SHOWN: [&str; 7] = ["log_loss", "brier", "ece", "iou", "retention", "phant
 
 /// The metrics of the table of drives, beside which recall says what a threshold finds.
 const DRIVEN: [&str; 5] = ["reached", "colliding", "detour", "recall_50", "recall_65"];
+
+/// The metrics of the table of what moves.
+const MOVED: [&str; 7] =
+    ["static_accuracy", "dynamic_accuracy", "harmonic_accuracy", "trail_area", "ghost_area", "lag_looks", "followed_3"];
 
 /// Variants that take one idea away, or add one, and which.
 const ABLATIONS: [(&str, &str); 9] = [
@@ -139,10 +143,17 @@ pub fn drives(rows: &Rows, mappers: &[&str], width: Width) -> [Sheet; 2] {
     ]
 }
 
+/// What becomes of what moves: a mean per mapper and metric, each in the region that has it, over the worlds that move; none where nothing does.
+pub fn moved(rows: &Rows, mappers: &[&str], width: Width) -> Option<Sheet> {
+    let moves = rows.means.iter().any(|mean| mean.region == MovingRegion::Swept.name());
+    let caption = "What has moved: static, swept and changed cells (areas in m², lag in looks)";
+    moves.then(|| driven(rows, mappers, width, caption, &MOVED))
+}
+
 fn driven(rows: &Rows, mappers: &[&str], width: Width, caption: &str, metrics: &[&str]) -> Sheet {
     let metrics: Vec<&Criterion> = metrics.iter().filter_map(|metric| criterion(metric)).collect();
     let cell = |mapper: &str, c: &Criterion| {
-        let region = c.region.map_or(OBSERVABLE, Region::name);
+        let region = c.region.unwrap_or(OBSERVABLE);
         let mean =
             rows.mean(ALL, region, mapper, c.metric).map_or_else(|| "-".to_owned(), |m| format!("{m:.*}", c.decimals));
         match rows.difference(ALL, region, mapper, c.metric) {
@@ -257,6 +268,12 @@ pub fn region_in_words(region: &str) -> &'static str {
         Some(Region::Hidden) => "what no ray could see",
         Some(Region::Observable) => "all that could be seen",
         Some(Region::All) => "all cells",
-        None => "a region of the scene",
+        None => match MovingRegion::ALL.iter().find(|r| r.name() == region) {
+            Some(MovingRegion::Static) => "what nothing that moves has covered",
+            Some(MovingRegion::Swept) => "where something has been and is no more",
+            Some(MovingRegion::OccupiedNow) => "where something that moves stands now",
+            Some(MovingRegion::Changed) => "what looks have found changed",
+            None => "a region of the scene",
+        },
     }
 }

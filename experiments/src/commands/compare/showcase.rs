@@ -34,7 +34,7 @@ pub fn look(plan: &Plan) -> Result<(Viewer, Vec<WorldScores>), Failure> {
         let keep = Keep { timeline: false, frames: frames.clone() };
         let trial = ground.trial(job.world.seed, &job.mappers(&plan.mappers), &setup, &keep, &|_, _| {})?;
         let stages = ground.stages(&trial);
-        let mut world = page::ViewedWorld::new(&ground, &trial, &stages, &frames);
+        let mut world = page::ViewedWorld::new(&ground, &trial, &stages, &frames)?;
         if plan.conditions.len() > 1 {
             world.name = format!("{} {}", world.name, job.world.condition);
         }

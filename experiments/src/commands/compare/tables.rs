@@ -1,13 +1,13 @@
 //! The tables of a comparison, as files hold them.
 
-use score::{Comparison, LOOK_EDGES, PROBABILITY_EDGES, ProbabilityBin, RANGE_EDGES_M, Region, Summary};
+use score::{Comparison, LOOK_EDGES, PROBABILITY_EDGES, ProbabilityBin, RANGE_EDGES_M, Summary};
 use serde_json::json;
 
 use super::judgement::{Judgement, Scope};
 use super::repeats::Repeated;
-use super::world::{ErrorSum, MapScores, WorldScores};
+use super::world::{ErrorSum, MapScores, WorldScores, judged_in};
 use crate::output::table::{Table, optional, rounded};
-use crate::worlds::criteria::{CRITERIA, Criterion};
+use crate::worlds::criteria::Criterion;
 
 /// Every metric of a mapper in every world and region: a row each, a column per metric.
 pub fn scores(worlds: &[WorldScores], mapper: &str) -> Table {
@@ -28,8 +28,8 @@ pub fn scores(worlds: &[WorldScores], mapper: &str) -> Table {
             ("cells", &|row| json!(row.2.cells)),
         ],
     );
-    let table =
-        table.with(&rows, &CRITERIA.map(|criterion| criterion.metric), |row, number| optional(row.2.values[number]));
+    let metrics: Vec<&str> = judged_in(worlds).1.iter().map(|criterion| criterion.metric).collect();
+    let table = table.with(&rows, &metrics, |row, number| optional(row.2.values.get(number).copied().flatten()));
     match rows.iter().any(|row| row.3.is_some()) {
         true => table.and(&rows, &[("error", &|row| json!(row.3))]),
         false => table,
@@ -48,9 +48,10 @@ struct Spread<'a> {
 /// Mean and spread over the worlds of every scope.
 pub fn summary(worlds: &[WorldScores], scopes: &[Scope], mappers: &[&str]) -> Table {
     let mut rows = Vec::new();
-    for (scope, region) in scopes.iter().flat_map(|scope| Region::ALL.map(|region| (scope, region.name()))) {
+    let (regions, criteria) = judged_in(worlds);
+    for (scope, region) in scopes.iter().flat_map(|scope| regions.iter().map(move |region| (scope, *region))) {
         for mapper in mappers {
-            let criteria = CRITERIA.iter().enumerate().filter(|(_, criterion)| criterion.is_of(region));
+            let criteria = criteria.iter().enumerate().filter(|(_, criterion)| criterion.is_of(region));
             rows.extend(criteria.map(|(number, criterion)| {
                 let summary = over_worlds(worlds, scope, mapper, region, number);
                 Spread { scope: &scope.name, region, mapper, criterion, summary }
@@ -72,7 +73,7 @@ pub fn summary(worlds: &[WorldScores], scopes: &[Scope], mappers: &[&str]) -> Ta
     )
 }
 
-/// The spread of a metric, by its place among [`CRITERIA`], over those worlds of a scope in which it has a value.
+/// The spread of a metric, by its place among those of [`judged_in`], over those worlds of a scope in which it has a value.
 pub fn over_worlds(
     worlds: &[WorldScores],
     scope: &Scope,

@@ -18,6 +18,7 @@ pub fn summary(plan: &Plan, rows: &Rows, claims: &[Claim]) -> String {
     for metric in ["log_loss", "brier"] {
         shown.push(sheets::differences(rows, &mappers, ALL, OBSERVABLE, metric, Width::Terminal));
     }
+    shown.extend(sheets::moved(rows, &mappers, Width::Terminal));
     shown.extend(sheets::drives(rows, &mappers, Width::Terminal));
     if parts.len() > 1 {
         shown.push(sheets::parts(rows, &mappers, &parts, "log_loss", Width::Terminal));

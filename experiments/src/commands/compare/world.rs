@@ -3,12 +3,13 @@
 use grid::Raster;
 use mapper::catalogue::{Entry, Kind};
 use score::{
-    ErrorProfile, LOOK_EDGES, PROBABILITY_EDGES, ProbabilityBin, RANGE_EDGES_M, Region, error_profile, probability_bins,
+    ErrorProfile, LOOK_EDGES, MovingRegion, PROBABILITY_EDGES, ProbabilityBin, RANGE_EDGES_M, Region, error_profile,
+    probability_bins,
 };
 use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
-use crate::worlds::criteria::CRITERIA;
+use crate::worlds::criteria::{CRITERIA, Criterion, MOVING};
 use crate::worlds::run::{Ground, Keep, Run, Trial};
 use crate::worlds::site::{Site, WorldId};
 
@@ -35,7 +36,7 @@ pub struct WorldScores {
 pub struct MapScores {
     /// Name of the mapper.
     pub mapper: String,
-    /// One per region, in the order of [`Region::ALL`].
+    /// One per region, in the order of [`Region::ALL`] and, where the world moves, of [`MovingRegion::ALL`].
     pub regions: Vec<RegionScores>,
     /// Reliability over the observable region, see [`score::PROBABILITY_EDGES`].
     pub reliability: Vec<ProbabilityBin>,
@@ -55,7 +56,7 @@ pub struct RegionScores {
     pub region: String,
     /// Number of its cells.
     pub cells: usize,
-    /// The metrics in the order of [`CRITERIA`]; none where a metric is not defined.
+    /// The metrics in the order of [`CRITERIA`] and, where the world moves, of [`MOVING`]; none where a metric is not defined.
     pub values: Vec<Option<f64>>,
 }
 
@@ -115,7 +116,8 @@ impl WorldJob {
             let profile = |covariate: &Raster<f64>, edges: &[f64]| -> Result<Vec<ErrorSum>, Failure> {
                 Ok(sums(&error_profile(map, &ground.truth, &observable, covariate, edges)?))
             };
-            let regions = Region::ALL.iter().map(|region| region_scores(trial, run, region.name())).collect();
+            let (names, metrics) = judged(ground.moves());
+            let regions = names.iter().map(|region| region_scores(trial, run, region, &metrics)).collect();
             if let Some(fault) = &end.fault {
                 return Ok(MapScores::without_map(run.mapper, regions, fault));
             }
@@ -147,8 +149,21 @@ impl MapScores {
     }
 }
 
+/// The regions that maps are scored in and the metrics that they are scored by, where nothing moves or where something does.
+fn judged(moves: bool) -> (Vec<&'static str>, Vec<&'static Criterion>) {
+    let (regions, metrics) = if moves { (&MovingRegion::ALL[..], &MOVING[..]) } else { (&[][..], &[][..]) };
+    let names = Region::ALL.iter().map(|region| region.name()).chain(regions.iter().map(|region| region.name()));
+    (names.collect(), CRITERIA.iter().chain(metrics).collect())
+}
+
+/// The regions and metrics of these worlds: those of worlds that move where any does.
+pub fn judged_in(worlds: &[WorldScores]) -> (Vec<&'static str>, Vec<&'static Criterion>) {
+    let moves = |map: &MapScores| map.regions.iter().any(|scores| scores.region == MovingRegion::Static.name());
+    judged(worlds.iter().flat_map(|world| &world.maps).any(moves))
+}
+
 impl WorldScores {
-    /// The value of a metric, by its place among [`CRITERIA`], of a mapper in a region.
+    /// The value of a metric, by its place among those of [`judged_in`], of a mapper in a region.
     pub fn value(&self, mapper: &str, region: &str, criterion: usize) -> Option<f64> {
         let map = self.maps.iter().find(|map| map.mapper == mapper)?;
         *map.regions.iter().find(|scores| scores.region == region)?.values.get(criterion)?
@@ -156,13 +171,13 @@ impl WorldScores {
 }
 
 /// The scores of the last stage.
-fn region_scores(trial: &Trial, run: &Run, region: &str) -> RegionScores {
+fn region_scores(trial: &Trial, run: &Run, region: &str, metrics: &[&Criterion]) -> RegionScores {
     let last = run.stages.len() - 1;
     let metric = |name: &str| trial.metric(run.mapper, last, region, name);
     RegionScores {
         region: region.to_owned(),
         cells: metric("log_loss").map_or(0, |metric| metric.support),
-        values: CRITERIA.iter().map(|c| metric(c.metric).and_then(|metric| metric.value)).collect(),
+        values: metrics.iter().map(|c| metric(c.metric).and_then(|metric| metric.value)).collect(),
     }
 }
 

@@ -10,7 +10,7 @@ use strict::{Error, Limit, Table, Value, open, read};
 
 use super::source::GateSource;
 use crate::worlds::condition::{AS_BELIEVED, Condition, DEPARTURES};
-use crate::worlds::criteria::{CRITERIA, Criterion, criterion};
+use crate::worlds::criteria::{CRITERIA, Criterion, criteria, criterion};
 use crate::worlds::scenes::FAMILIES;
 use crate::worlds::scenes::path_of;
 use crate::worlds::site::{MICROMETRES, WorldId};
@@ -170,15 +170,21 @@ fn gate(table: &Table, known: &[Entry], sites: &mut BTreeMap<String, GateSource>
     let name = table.name("name")?;
     let mappers: Vec<&str> = known.iter().map(|entry| entry.name).collect();
     let mapper = one_of(table, "mapper", &mappers, None)?;
-    let metrics: Vec<&str> = CRITERIA.iter().map(|criterion| criterion.metric).collect();
+    let metrics: Vec<&str> = criteria().map(|criterion| criterion.metric).collect();
     let metric = one_of(table, "metric", &metrics, None)?;
     let criterion = criterion(metric).unwrap_or(&CRITERIA[0]); // found: it is one of them
     let (worlds, regions) = worlds(table, sites)?;
     let regions: Vec<&str> = regions.iter().map(String::as_str).collect();
-    let usual = criterion.region.unwrap_or(Region::Observable).name();
+    if !regions.contains(&criterion.region.unwrap_or(Region::Observable.name())) {
+        let bound = "a metric of worlds at rest, since nothing moves here but the robot";
+        let remedy = "name a scene or families with things that move, such as corridor-people";
+        return Err(refuse(table, "metric", bound, remedy).into());
+    }
+    let usual = criterion.region.unwrap_or(Region::Observable.name());
     let region = one_of(table, "region", &regions, Some(usual))?;
     if !criterion.is_of(region) {
-        let bound = format!("left out or {usual:?} with {metric}, which is of the whole world");
+        let of = if usual == Region::All.name() { "of the whole world" } else { "of that region alone" };
+        let bound = format!("left out or {usual:?} with {metric}, which is {of}");
         return Err(refuse(table, "region", &bound, "leave it out").into());
     }
     let demand = demand(table, &mappers, mapper, criterion)?;
@@ -224,7 +230,10 @@ fn worlds(table: &Table, sites: &mut BTreeMap<String, GateSource>) -> Result<(Ve
             worlds.extend(set.seeds(count).map(world));
         }
     }
-    let regions = names.first().map(|name| sites[name].regions().into_iter().map(str::to_owned).collect());
+    // All of them have the regions by rays; those of worlds that move only if all move.
+    let of_all = |region: &&str| names.iter().all(|name| sites[name].regions().contains(region));
+    let regions =
+        names.first().map(|name| sites[name].regions().into_iter().filter(of_all).map(str::to_owned).collect());
     Ok((worlds, regions.unwrap_or_default()))
 }
 

@@ -12,6 +12,7 @@ use crate::jobs::engine;
 use crate::jobs::progress::Count;
 use crate::output::table::rounded;
 use crate::worlds::criteria::criterion;
+use crate::worlds::drives;
 use crate::worlds::run::{Ground, Keep};
 use crate::worlds::site::{Site, WorldId};
 
@@ -91,7 +92,10 @@ pub fn measure(gates: &Gates, known: &[Entry], stream: u32, threads: usize) -> R
         let source = gates.sites.get(&world.family);
         let source = source.ok_or_else(|| Failure::Internal(format!("there is no family {:?}", world.family)))?;
         let Site { ground, setup } = source.site(world)?;
-        let drives = wanted.values().flatten().any(|(metric, _)| criterion(metric).is_some_and(|c| c.region.is_some()));
+        let drives = wanted
+            .values()
+            .flatten()
+            .any(|(metric, _)| criterion(metric).is_some_and(|c| c.region == Some(drives::REGION.name())));
         let ground = if drives { ground } else { ground.without_drives() };
         let mut part = Measured::default();
         for (mapper, wanted) in wanted {

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::file::{BOUND, DEMANDS, GRID, MARGIN, MOST_SEEDS};
-use crate::worlds::criteria::CRITERIA;
+use crate::worlds::criteria::criteria;
 use crate::worlds::schema::{file, list, name, number, table, text, whole, word};
 
 /// The schema of files of gates. Mappers may be programs of one's own, so that any name will do.
@@ -12,7 +12,7 @@ pub fn schema() -> Value {
     let keys = [
         ("name", name("Name of the gate", 32)),
         ("mapper", text("Name of the mapper that is judged")),
-        ("metric", word("What it is judged by", CRITERIA.iter().map(|criterion| criterion.metric))),
+        ("metric", word("What it is judged by", criteria().map(|criterion| criterion.metric))),
         ("region", text("Where maps are judged; the metric's usual region if left out")),
         ("families", families),
         ("scene", text("A scene, in place of families")),

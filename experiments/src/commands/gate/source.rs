@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use scene::{Family, Scene, SceneError};
-use score::Region;
+use score::{MovingRegion, Region};
 
 use crate::failure::Failure;
 use crate::worlds::site::{Assumptions, Site, WorldId};
@@ -21,7 +21,7 @@ pub struct GateSource {
 #[derive(Debug, Clone)]
 enum Content {
     Family(Box<Family>),
-    Scene { regions: Vec<String> },
+    Scene { regions: Vec<String>, moves: bool },
 }
 
 impl GateSource {
@@ -40,17 +40,27 @@ impl GateSource {
     /// As [`Scene::load`].
     pub fn scene(path: PathBuf) -> Result<Self, SceneError> {
         let scene = Scene::load(&path, None)?;
+        let moves = scene.moves();
         let regions = scene.regions.into_iter().map(|region| region.name).collect();
-        Ok(Self { name: scene.name, path, content: Content::Scene { regions } })
+        Ok(Self { name: scene.name, path, content: Content::Scene { regions, moves } })
     }
 
     /// Names of the regions that maps of it can be judged in.
     pub fn regions(&self) -> Vec<&str> {
         let own: &[String] = match &self.content {
             Content::Family(_) => &[],
-            Content::Scene { regions } => regions,
+            Content::Scene { regions, .. } => regions,
         };
-        Region::ALL.iter().map(|region| region.name()).chain(own.iter().map(String::as_str)).collect()
+        let moving = MovingRegion::ALL.iter().map(|region| region.name()).filter(|_| self.moves());
+        Region::ALL.iter().map(|region| region.name()).chain(own.iter().map(String::as_str)).chain(moving).collect()
+    }
+
+    /// Whether anything moves in it but the robot.
+    pub fn moves(&self) -> bool {
+        match &self.content {
+            Content::Family(family) => family.moves(),
+            Content::Scene { moves, .. } => *moves,
+        }
     }
 
     /// Builds a world of it.

@@ -49,7 +49,7 @@ pub(super) fn world(name: &str, recording: &Recording, told: &Told) -> Result<Vi
         robot_radius_m: told.options.footprint.unwrap_or(0.0),
         truth: None,
         route_m: told.survey.path.iter().step_by(points).copied().collect(),
-        moments: (1..=scans.len()).map(|scans| Moment { scans, parts: None }).collect(),
+        moments: (1..=scans.len()).map(|scans| Moment { scans, parts: None, scenery: None }).collect(),
         stages: Vec::new(),
         regions: Vec::new(),
         metrics: Vec::new(),

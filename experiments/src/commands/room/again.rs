@@ -91,7 +91,7 @@ pub fn page(folder: &Folder, record: &Value) -> Result<String, Failure> {
     folder.same_numbers(&csv, &metrics, &programs)?;
     let rows = document::rows(&csv).map_err(|e| folder.refuse("metrics.csv", &e.to_string()))?;
     let mut viewer = Viewer {
-        worlds: vec![ViewedWorld::new(&plan.ground, &trial, &stages, &plan.frames)],
+        worlds: vec![ViewedWorld::new(&plan.ground, &trial, &stages, &plan.frames)?],
         budget: page::WORLD_BYTES,
     };
     page::kept::add(folder, &mut viewer, &programs, &names)?;

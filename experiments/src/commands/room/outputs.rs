@@ -111,7 +111,7 @@ pub(super) fn write(
     programs::save_stderr(staging, trials, stages)?;
     let pictures = pictures(staging, ground, first, stages, paper)?;
     let rows = document::rows(&metrics.csv()?).map_err(Failure::internal)?;
-    let viewer = Viewer { worlds: vec![ViewedWorld::new(ground, first, stages, frames)], budget: page::WORLD_BYTES };
+    let viewer = Viewer { worlds: vec![ViewedWorld::new(ground, first, stages, frames)?], budget: page::WORLD_BYTES };
     let programs = first.runs.iter().filter(|run| run.program.is_some());
     programs.map(|run| run.mapper).try_for_each(|program| page::kept::save(staging, &viewer, program))?;
     let json = record.json(&staging.files_and(&["report.html", RECORD]))?;

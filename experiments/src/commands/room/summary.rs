@@ -42,6 +42,17 @@ const DRIVES: [Column; 5] = [
 const FOOTPRINTS: [Column; 3] =
     [("reached", "footprint_reached", 3), ("colliding", "footprint_colliding", 3), ("detour", "footprint_detour", 3)];
 
+/// Each metric with the region that has it.
+const MOVEMENT: [(Column, &str); 7] = [
+    (("static", "static_accuracy", 3), "static"),
+    (("dynamic", "dynamic_accuracy", 3), "swept"),
+    (("harmonic", "harmonic_accuracy", 3), "swept"),
+    (("trail", "trail_area", 2), "swept"),
+    (("ghost", "ghost_area", 2), "changed"),
+    (("lag", "lag_looks", 1), "changed"),
+    (("followed", "followed_3", 2), "changed"),
+];
+
 /// Tables of the last stage over what was observable and in every named region, then the claims.
 pub(super) fn text(ground: &Ground, trials: &[Trial], stages: &[Stage], claims: &[Claim]) -> String {
     let mut text = String::new();
@@ -62,12 +73,12 @@ pub(super) fn text(ground: &Ground, trials: &[Trial], stages: &[Stage], claims: 
         spec.height,
         spec.cell_m
     );
-    let mut section = |title: &str, region: &str, columns: &[Column]| {
+    let mut table = |title: &str, columns: &[(Column, &str)]| {
         let _ = writeln!(text, "Stage {}, {}: {title}", stage.name, stage.label);
-        let heads: Vec<&str> = ["mapper"].into_iter().chain(columns.iter().map(|c| c.0)).collect();
+        let heads: Vec<&str> = ["mapper"].into_iter().chain(columns.iter().map(|(column, _)| column.0)).collect();
         let mut rows: Vec<Vec<String>> = Vec::new();
         for run in &first.runs {
-            let cells = columns.iter().map(|(_, metric, decimals)| {
+            let cells = columns.iter().map(|((_, metric, decimals), region)| {
                 let summary = over_seeds(trials, run.mapper, last, region, metric);
                 (mean(summary, *decimals), deviation(summary, *decimals))
             });
@@ -78,6 +89,12 @@ pub(super) fn text(ground: &Ground, trials: &[Trial], stages: &[Stage], claims: 
             }
         }
         let _ = writeln!(text, "{}", aligned(&heads, &rows));
+    };
+    if ground.moves() {
+        table("what has moved (areas in m², lag in looks)", &MOVEMENT);
+    }
+    let mut section = |title: &str, region: &str, columns: &[Column]| {
+        table(title, &columns.iter().map(|column| (*column, region)).collect::<Vec<_>>());
     };
     section("all that could be seen (areas in m²)", "observable", &OBSERVABLE);
     if ground.planning.pairs > 0 {

@@ -38,7 +38,7 @@ pub(super) fn sheet(maps: &[&str], worded: &str, value: &dyn Fn(&str, &str, &str
         Navigation::METRICS.iter().chain(&FOUND).filter_map(|metric| criterion(metric)).collect();
     let row = |map: &&str| {
         let cell = |c: &&Criterion| {
-            let value = value(map, c.region.unwrap_or(Region::All).name(), c.metric);
+            let value = value(map, c.region.unwrap_or(Region::All.name()), c.metric);
             value.map_or_else(|| "-".to_owned(), |value| format!("{value:.*}", c.decimals)).into()
         };
         std::iter::once((*map).into()).chain(shown.iter().map(cell)).collect()

@@ -99,7 +99,7 @@ impl Job {
         if !self.regions.iter().any(|region| region == drives::REGION.name()) {
             ground = ground.without_drives();
         }
-        self.thin(&mut ground);
+        let ground = self.thinned(ground);
         let unknown = |name: &str| Failure::BadInput(format!("there is no mapper {name:?}"));
         let program = |name: &str| self.programs.iter().find(|program| program.name == name);
         let entry = |name: &String| match (find(name), program(name)) {
@@ -174,20 +174,13 @@ impl Job {
     }
 
     /// Leaves so many scans in the drive, evenly spread, as one stage.
-    fn thin(&self, ground: &mut Ground) {
-        let Some(scans) = number_of(&self.settings, "scans") else { return };
-        let all = ground.drive.poses.len();
+    fn thinned(&self, ground: Ground) -> Ground {
+        let Some(scans) = number_of(&self.settings, "scans") else { return ground };
+        let all = ground.scans();
         let kept = (scans as usize).clamp(1, all.max(1));
-        let mut number = 0;
-        ground.drive.poses.retain(|_| {
-            // The k-th kept is in the middle of the k-th of equal parts of the drive.
-            let before = number * kept / all;
-            number += 1;
-            number * kept / all > before
-        });
-        if let Some((name, _)) = ground.drive.stage_ends.pop() {
-            ground.drive.stage_ends = vec![(name, kept)];
-        }
+        // The k-th kept is the last of the k-th of equal parts of the drive.
+        let left: Vec<usize> = (0..all).filter(|number| (number + 1) * kept / all > number * kept / all).collect();
+        ground.with_scans(&left)
     }
 }
 

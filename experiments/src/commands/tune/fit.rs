@@ -3,14 +3,14 @@
 use grid::Raster;
 use mapper::{Candidate, ConventionalRule};
 use scene::Family;
-use score::{Region, Scorer, Sightings};
+use score::{Region, Scorer};
 
 use super::candidates::{Tuned, rule};
 use super::clamps;
 use crate::failure::Failure;
 use crate::worlds::estimate::Moments;
-use crate::worlds::run::look;
 use crate::worlds::site::{Assumptions, Site, WorldId};
+use crate::worlds::witness::Witness;
 
 /// The error of a map over the observable region at the end of the drive.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -42,8 +42,9 @@ pub struct TunedFit {
 pub fn errors(world: &WorldId, family: &Family, candidates: &[Candidate]) -> Result<Vec<Errors>, Failure> {
     let Site { ground, setup } = Site::of_family(family, world, &Assumptions::default())?;
     let simulation = scene::simulate(&ground.scene, &ground.world, &ground.drive, world.seed);
-    let mut seen = Sightings::new(&ground.truth);
-    simulation.scans.iter().for_each(|simulated| look(&mut seen, simulated));
+    let mut witness = Witness::new(&ground);
+    simulation.scans.iter().enumerate().try_for_each(|(scan, simulated)| witness.look(&ground, scan, simulated))?;
+    let seen = witness.seen;
     let mask = seen.mask(Region::Observable);
     let scorer = Scorer::new(&ground.truth, seen.surface())?;
     let score = |map: &Raster<f64>| {

@@ -19,6 +19,8 @@ pub struct DecodedWorld {
     pub name: String,
     /// The truth.
     pub truth: Option<Raster<Option<bool>>>,
+    /// The truth at every moment, of a world that moves; else nothing.
+    pub truths: Vec<Raster<Option<bool>>>,
     /// Numbers of scans after which it can be looked at.
     pub moments: Vec<usize>,
     /// Names of the stages, with the numbers of their moments.
@@ -71,6 +73,8 @@ struct World {
     regions: Vec<Named>,
     region_names: Vec<String>,
     truth: Option<String>,
+    #[serde(default)]
+    truths: Option<String>,
     parts: String,
     mappers: Vec<Mapper>,
 }
@@ -126,7 +130,12 @@ impl World {
         let one = |text: &str, values| {
             Some(Raster::new(spec, film::unpacked(&bytes(text)?, 1, self.shape(values, 0)).remove(0)))
         };
-        let truth = |text: &String| Some(one(text, 3)?.map(|cell| [Some(false), Some(true), None][usize::from(*cell)]));
+        let known = |cell: &u8| [Some(false), Some(true), None][usize::from(*cell)];
+        let truth = |text: &String| Some(one(text, 3)?.map(known));
+        let truths = self.truths.as_ref().map_or(Some(Vec::new()), |text| {
+            let films = film::unpacked(&bytes(text)?, self.moments.len(), self.shape(3, 0));
+            Some(films.into_iter().map(|cells| Raster::new(spec, cells.iter().map(known).collect())).collect())
+        })?;
         let part = |code: &u8| usize::from(*code).checked_sub(1).map(|place| PARTS[place]);
         let parts = film::unpacked(
             &bytes(&self.parts)?,
@@ -137,6 +146,7 @@ impl World {
         Some(DecodedWorld {
             name: self.name.clone(),
             truth: self.truth.as_ref().map(truth).map_or(Some(None), |truth| Some(Some(truth?)))?,
+            truths,
             moments: self.moments.clone(),
             stages: self.stages.iter().map(|stage| (stage.name.clone(), stage.moment)).collect(),
             parts: parts.into_iter().map(|cells| Raster::new(spec, cells.iter().map(part).collect())).collect(),

@@ -16,7 +16,11 @@ fn world(name: &str, width: usize, height: usize, mappers: usize, moments: usize
         f64::from(state >> 8) / f64::from(1u32 << 24) - 0.5
     };
     let in_view = |cell: usize, moment: usize| (cell % width + moment * 5) % width < width / 3;
-    let moment = |k: usize| Moment { scans: 10 * (k + 1), parts: Some(Raster::filled(grid, Some(Region::Visible))) };
+    let moment = |k: usize| Moment {
+        scans: 10 * (k + 1),
+        parts: Some(Raster::filled(grid, Some(Region::Visible))),
+        scenery: None,
+    };
     let mut mapper = |number: usize| {
         let mut odds = vec![-2.2f64; grid.cells()];
         let mut frames: Vec<Frame> = Vec::new();

@@ -1,6 +1,6 @@
 //! The schema of files of families.
 
-use scene::reader::limits::{CLEARANCE, COVERED, OBSTACLE, OPENING, SHARE, SIDE, SPREAD, THICKNESS};
+use scene::reader::limits::{CLEARANCE, COVERED, OBSTACLE, OPENING, PEOPLE, SHARE, SIDE, SPREAD, THICKNESS};
 use serde_json::{Value, json};
 use strict::Limit;
 
@@ -23,6 +23,7 @@ pub fn family() -> Value {
         ("along_walls", number("Share of them that stand along walls", &SHARE)),
         ("clearance", number("What the route keeps off them", &CLEARANCE)),
         ("wall_thickness", number("Thickness of walls", &THICKNESS)),
+        ("people_per_100_m2", range("People per 100 m²", &PEOPLE)),
     ];
     let mut generate =
         table("What layouts are generated from", &keys, &["kind", "width", "height", "obstacle_size", "covered"]);

@@ -2,10 +2,11 @@
 
 use ::scene::reader::limits::{
     COLUMNS, FIELD_OF_VIEW, FOCAL_BASELINE, INTERVAL, JITTER, JITTER_ANGLE, PATIENCE, PROBABILITY, RADIUS, REACH,
-    SEARCH, SIGMA, SPEED, STEP, TURN_RATE,
+    SEARCH, SIGMA, SPEED, STEP, TURN_RATE, WAIT,
 };
 use serde_json::{Value, json};
 
+use super::moving::moving;
 use super::{between, file, flag, line, list, name, number, pair, table, text, whole, word};
 
 /// Coordinates and lengths stay within this, m.
@@ -18,7 +19,7 @@ const LEAST: f64 = 1e-6;
 pub fn scene() -> Value {
     let mut schema = file(
         "A scene: walls and things, a route, a camera (lengths in m, angles in degrees counter-clockwise from x)",
-        &[&ground()[..], &obstacles(), &drive(), &shared()].concat(),
+        &[&ground()[..], &obstacles(), &drive(), &moving(), &shared()].concat(),
         &["name", "waypoints", "route"],
     );
     // A map or a plan has bounds of its own.
@@ -27,15 +28,15 @@ pub fn scene() -> Value {
     schema
 }
 
-fn point(about: &str) -> Value {
+pub(super) fn point(about: &str) -> Value {
     pair(about, -METRES, METRES)
 }
 
-fn length(about: &str) -> Value {
+pub(super) fn length(about: &str) -> Value {
     between(about, LEAST, METRES)
 }
 
-fn texture() -> (&'static str, Value) {
+pub(super) fn texture() -> (&'static str, Value) {
     ("texture", between("Share of the surface with edges to match: 1 all of it, 0 none", 0.0, 1.0))
 }
 
@@ -93,7 +94,9 @@ fn drive() -> [(&'static str, Value); 4] {
         json!({ "description": "Named points", "type": "object", "additionalProperties": point("A point, m") });
     waypoints["propertyNames"] = json!({ "minLength": 1, "maxLength": 32 });
     let stops = |about| list(about, text("Name of a waypoint"), 1);
-    let route = [("stops", list("Waypoints in the order of the drive", text("Name of a waypoint"), 2))];
+    let at = [("at", text("Name of a waypoint")), ("wait_s", number("How long the robot stands there", &WAIT))];
+    let stop = json!({ "anyOf": [text("Name of a waypoint"), table("A stop", &at, &["at"])] });
+    let route = [("stops", list("Waypoints in the order of the drive", stop, 2))];
     let stage = [
         ("name", name("Name of the stage", 32)),
         ("after", stops("The first stops of the route, up to where the stage ends; in the last stage all")),

@@ -269,3 +269,40 @@ impl Drive {
         self.poses.iter().enumerate().map(shape).collect()
     }
 }
+
+fn shipped(name: &str) -> Scene {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../scenes/{name}.toml"));
+    Scene::load(&path, None).unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[test]
+fn people_pass_in_the_shipped_corridor() {
+    let scene = shipped("corridor-people");
+    let drive = drive(&scene).unwrap_or_else(|error| panic!("{error}"));
+    assert!(least_gap(&scene, &drive).0 > 0.5 * CLEARANCE_M);
+    // Everybody gets about, in front of the camera, for a good part of the drive.
+    for thing in 0..drive.motion.len() {
+        let walked_m: f64 = course_of(&drive, thing).windows(2).map(|pair| distance(pair[0], pair[1])).sum();
+        assert!(walked_m > 10.0, "mover {} walked {walked_m} m", thing + 1);
+    }
+    assert!((350..700).contains(&drive.poses.len()), "{} scans", drive.poses.len());
+}
+
+#[test]
+fn the_shipped_office_changes_between_visits() {
+    let scene = shipped("office-visits");
+    let drive = drive(&scene).unwrap_or_else(|error| panic!("{error}"));
+    assert!(least_gap(&scene, &drive).0 > 0.5 * CLEARANCE_M);
+    let ends: Vec<usize> = drive.stage_ends.iter().map(|(_, scans)| scans - 1).collect();
+    let at = |scan: usize| -> Vec<&Shape> { drive.motion.shapes_at(scan).map(|(_, shape)| shape).collect() };
+    // Every thing changes at least once, and nothing else moves while the robot is in the office.
+    for thing in 0..drive.motion.len() {
+        let visits: Vec<&Shape> = ends.iter().map(|&end| at(end)[thing]).collect();
+        assert!(visits.windows(2).any(|pair| pair[0] != pair[1]), "thing {thing}");
+        for (visit, end) in ends.iter().enumerate() {
+            let settled = if visit == 0 { 0 } else { ends[visit - 1] + 12 };
+            assert!((settled..=*end).all(|scan| at(scan)[thing] == at(*end)[thing]), "thing {thing}, visit {visit}");
+        }
+    }
+    assert!((500..800).contains(&drive.poses.len()), "{} scans", drive.poses.len());
+}
