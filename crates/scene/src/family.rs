@@ -151,10 +151,21 @@ impl Family {
         })
     }
 
+    /// Whether people walk in its scenes.
+    pub fn moves(&self) -> bool {
+        self.plan.people_per_100_m2.is_some()
+    }
+
+    /// The same family with so many people per 100 m² of every place, between two numbers from 0 to 20. Layouts stay as they are.
+    pub fn with_people(mut self, per_100_m2: [f64; 2]) -> Self {
+        self.plan.people_per_100_m2 = Some(per_100_m2);
+        self
+    }
+
     /// The people of a layout, in a family that has some.
     fn people(&self, seed: u64, layout: &Layout) -> Result<Option<Vec<Person>>, SceneError> {
         let Some(per_100_m2) = self.plan.people_per_100_m2 else { return Ok(None) };
-        let people = people::draw(layout, per_100_m2, self.robot_radius_m, seed);
+        let people = people::draw(layout, per_100_m2, self.plan.people_m_s, self.robot_radius_m, seed);
         let crowded = || SceneError::at(self.place.clone(), Problem::Crowded { layout: seed, most: per_100_m2[1] });
         people.map(Some).ok_or_else(crowded)
     }

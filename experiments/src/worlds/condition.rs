@@ -13,6 +13,8 @@ pub struct Condition {
     pub size_factor: f64,
     /// What becomes of the simulated camera; the mappers keep the camera of the scene's file.
     pub camera: fn(&mut Matcher),
+    /// People per 100 m², between two numbers, where those of the family are not meant.
+    pub people_per_100_m2: Option<[f64; 2]>,
 }
 
 /// The world as the mappers assume it.
@@ -21,9 +23,10 @@ pub const AS_BELIEVED: Condition = Condition {
     summary: "the mappers know the camera, and obstacles have the size they expect",
     size_factor: 1.0,
     camera: |_| {},
+    people_per_100_m2: None,
 };
 
-/// The robustness set: one thing differs at a time.
+/// The robustness set, unless others are asked for: one thing differs at a time.
 pub const DEPARTURES: [Condition; 7] = [
     Condition {
         name: "match-0.6",
@@ -59,7 +62,16 @@ pub const DEPARTURES: [Condition; 7] = [
     },
 ];
 
+/// A world that is not at rest, as the mappers assume it: a departure that is compared where it is asked for.
+pub const PEOPLE: Condition =
+    Condition { name: "people", summary: "people walk about", people_per_100_m2: Some([4.0, 8.0]), ..AS_BELIEVED };
+
+/// Every departure that can be asked for.
+pub fn departures() -> impl Iterator<Item = &'static Condition> {
+    DEPARTURES.iter().chain([&PEOPLE])
+}
+
 /// The condition of the given name.
 pub fn condition(name: &str) -> Option<&'static Condition> {
-    [&AS_BELIEVED].into_iter().chain(&DEPARTURES).find(|condition| condition.name == name)
+    [&AS_BELIEVED].into_iter().chain(departures()).find(|condition| condition.name == name)
 }

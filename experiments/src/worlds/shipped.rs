@@ -26,6 +26,7 @@ pub const FILES: Brought = files![
     "experiments/sweeps/cell-size.toml",
     "experiments/sweeps/lateral.toml",
     "experiments/sweeps/obstacle-size.toml",
+    "experiments/sweeps/people.toml",
     "experiments/sweeps/range-cut.toml",
     "experiments/sweeps/range-looks.toml",
     "results/gates-baseline.csv",

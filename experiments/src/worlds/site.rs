@@ -104,6 +104,8 @@ impl Site {
     pub fn of_family(family: &Family, world: &WorldId, assumed: &Assumptions) -> Result<Self, Failure> {
         let condition = world.condition()?;
         let variation = Variation { size_factor: condition.size_factor };
+        let crowded = condition.people_per_100_m2.map(|people| family.clone().with_people(people));
+        let family = crowded.as_ref().unwrap_or(family);
         Self::of(family.scene(world.seed, world.cell_m(), &variation)?, condition, assumed)
     }
 }

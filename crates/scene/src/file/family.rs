@@ -5,8 +5,9 @@ use std::path::Path;
 use strict::{Error, Limit, Table, open};
 
 use super::findings::{Findings, first};
-use super::limits::{CLEARANCE, COVERED, OBSTACLE, OPENING, PEOPLE, SHARE, SIDE, SPREAD, THICKNESS};
+use super::limits::{CLEARANCE, COVERED, OBSTACLE, OPENING, PACE, PEOPLE, SHARE, SIDE, SPREAD, THICKNESS};
 use super::{camera, cells};
+use crate::generate::people::PEOPLE_M_S;
 use crate::generate::{Kind, Plan};
 use crate::{Family, SceneError};
 
@@ -18,7 +19,7 @@ const CARRIED: [&str; 4] = ["grid", "camera", "sensor", "robot"];
 /// Longest name: with a hyphen and a layout number of up to 20 digits it is a scene's name of 32.
 const LONGEST_NAME: usize = 11;
 
-const COMMON: [&str; 11] = [
+const COMMON: [&str; 12] = [
     "kind",
     "width",
     "height",
@@ -30,6 +31,7 @@ const COMMON: [&str; 11] = [
     "clearance",
     "wall_thickness",
     "people_per_100_m2",
+    "people_speed_m_s",
 ];
 
 /// Whether a text is a family file rather than a scene's.
@@ -131,6 +133,10 @@ fn plan(table: &Table, found: &mut Findings) -> Option<Plan> {
         None => None,
         Some(_) => found.take(range(table, "people_per_100_m2", &PEOPLE)),
     };
+    let people_m_s = match table.get("people_speed_m_s") {
+        None => Some(PEOPLE_M_S),
+        Some(_) => found.take(range(table, "people_speed_m_s", &PACE)),
+    };
     Some(Plan {
         kind: kind?,
         size_m: [width?, height?],
@@ -142,6 +148,7 @@ fn plan(table: &Table, found: &mut Findings) -> Option<Plan> {
         clearance_m,
         wall_m,
         people_per_100_m2,
+        people_m_s: people_m_s?,
     })
 }
 

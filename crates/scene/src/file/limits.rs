@@ -81,6 +81,10 @@ pub const SEED: Limit = limit(0.0, 9e15, "a whole number from 0 to 9000000000000
 pub const PEOPLE: Limit =
     limit(0.0, 20.0, "two numbers, 0 to 20, the least first", "give [least, most], such as [2.0, 4.0]");
 
+/// How fast generated people walk, m/s.
+pub const PACE: Limit =
+    limit(0.01, 5.0, "two speeds in m/s, 0.01 to 5, the least first", "give [least, most], such as [0.6, 1.4]");
+
 /// Sides of a generated place, m.
 pub const SIDE: Limit =
     limit(2.0, 100.0, "two lengths in m, 2 to 100, the least first", "give [least, most], such as [6.0, 8.0]");

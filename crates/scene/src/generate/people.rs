@@ -23,7 +23,9 @@ const FOLLOWERS: f64 = 0.2;
 const LOITERERS: f64 = 0.2;
 
 const RADIUS_M: [f64; 2] = [0.18, 0.28];
-const SPEED_M_S: [f64; 2] = [0.6, 1.4];
+
+/// How fast people walk where the family does not say, m/s.
+pub(crate) const PEOPLE_M_S: [f64; 2] = [0.6, 1.4];
 
 /// What people keep from walls and furniture on their routes, m, and from each other and the robot at the start.
 const SPARE_M: f64 = 0.03;
@@ -48,15 +50,21 @@ enum Goes {
     About { within_m: f64, pause_s: f64 },
 }
 
-/// So many people per 100 m², between two numbers, for a layout and a robot of a radius; none where they find no room.
-pub(crate) fn draw(layout: &Layout, per_100_m2: [f64; 2], robot_m: f64, seed: u64) -> Option<Vec<Person>> {
+/// So many people per 100 m², between two numbers, who walk so fast (m/s), for a layout and a robot of a radius; none where they find no room.
+pub(crate) fn draw(
+    layout: &Layout,
+    per_100_m2: [f64; 2],
+    speed_m_s: [f64; 2],
+    robot_m: f64,
+    seed: u64,
+) -> Option<Vec<Person>> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(STREAM);
     let [width, height] = layout.size_m;
     let count = libm::rint(between(per_100_m2, &mut rng) * width * height / 100.0) as usize;
     let mut people: Vec<Person> = Vec::with_capacity(count);
     for _ in 0..count {
-        let (radius, speed) = (rounded(between(RADIUS_M, &mut rng)), rounded(between(SPEED_M_S, &mut rng)));
+        let (radius, speed) = (rounded(between(RADIUS_M, &mut rng)), rounded(between(speed_m_s, &mut rng)));
         let start = (0..TRIES).map(|_| place(layout, &mut rng)).find(|at| {
             let robot =
                 layout.waypoints.first().is_none_or(|(_, start)| distance(*start, *at) >= robot_m + radius + APART_M);

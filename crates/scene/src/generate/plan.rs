@@ -49,6 +49,8 @@ pub(crate) struct Plan {
     pub(crate) wall_m: f64,
     /// Least and most people per 100 m² of the outer area; a family without the key has none.
     pub(crate) people_per_100_m2: Option<[f64; 2]>,
+    /// Least and largest speed of people, m/s.
+    pub(crate) people_m_s: [f64; 2],
 }
 
 /// To the millimetre.

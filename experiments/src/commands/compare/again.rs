@@ -31,6 +31,8 @@ struct Made {
 struct Configuration {
     set: String,
     families: Vec<PathBuf>,
+    #[serde(default)]
+    conditions: Vec<String>,
     seeds: u32,
     batch_seeds: u32,
     mappers: Vec<String>,
@@ -84,6 +86,7 @@ fn plan(folder: &Folder, made: Configuration) -> Result<Plan, Failure> {
     let options = CompareOptions {
         set,
         families: made.families,
+        conditions: if set == Worlds::Robustness { made.conditions } else { Vec::new() },
         seeds: Some(made.seeds),
         batch_seeds: Some(made.batch_seeds),
         mappers: made.mappers,

@@ -2,11 +2,13 @@
 
 use std::path::PathBuf;
 
+use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 
 use crate::figures::Paper;
 use crate::output::args::{CutOption, Format, PriorOptions, ThreadsOption, count, trimmed};
 use crate::programs::options::ProgramOptions;
+use crate::worlds::condition::departures;
 use crate::worlds::drives::DriveOptions;
 use crate::worlds::scenes::{FAMILIES, scene};
 
@@ -25,6 +27,9 @@ pub struct CompareOptions {
         default_value = FAMILIES
     )]
     pub families: Vec<PathBuf>,
+    /// What differs from what the mappers believe, comma-separated, in the robustness set [default: all but people]
+    #[arg(long, value_name = "A,B", value_delimiter = ',', value_parser = PossibleValuesParser::new(departures().map(|condition| condition.name)))]
+    pub conditions: Vec<String>,
     /// Worlds of each family under each condition [default: 30 test, 8 robustness, 10 tuning; 4 or 1 with --quick]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = count(10_000))]
     pub seeds: Option<u32>,

@@ -10,7 +10,7 @@ use super::options::{CompareOptions, Worlds};
 use super::world::WorldJob;
 use crate::failure::Failure;
 use crate::programs::options::ProgramRecord;
-use crate::worlds::condition::{AS_BELIEVED, Condition, DEPARTURES};
+use crate::worlds::condition::{AS_BELIEVED, Condition, DEPARTURES, departures};
 use crate::worlds::drives::DriveOptions;
 use crate::worlds::mappers::{entries, own};
 use crate::worlds::run::Driven;
@@ -72,7 +72,7 @@ impl Plan {
             return Err(Failure::BadInput(message));
         }
         let set = options.set;
-        let conditions: &[Condition] = if set == Worlds::Robustness { &DEPARTURES } else { &[AS_BELIEVED] };
+        let conditions = conditions(options)?;
         let seeds = u64::from(options.seeds.unwrap_or(match (options.quick, set) {
             (true, Worlds::Robustness) => 1,
             (true, _) => 4,
@@ -91,7 +91,7 @@ impl Plan {
             set,
             families: families(&options.families)?,
             paths: options.families.clone(),
-            conditions: conditions.iter().map(|condition| condition.name).collect(),
+            conditions,
             seeds,
             batch_seeds,
             mappers,
@@ -188,6 +188,25 @@ impl Plan {
     pub fn has_batch(&self) -> bool {
         self.mappers.iter().any(|entry| entry.kind == Kind::Batch)
     }
+}
+
+/// Names of the conditions of a set, in the order of the robustness set.
+fn conditions(options: &CompareOptions) -> Result<Vec<&'static str>, Failure> {
+    let asked = &options.conditions;
+    if options.set != Worlds::Robustness {
+        return match asked.first() {
+            None => Ok(vec![AS_BELIEVED.name]),
+            Some(name) => Err(Failure::BadInput(format!(
+                "--conditions {name}: worlds of the {} set are as the mappers believe; add --set robustness",
+                options.set.name()
+            ))),
+        };
+    }
+    let chosen = |condition: &&Condition| match asked.is_empty() {
+        true => DEPARTURES.iter().any(|usual| usual.name == condition.name),
+        false => asked.iter().any(|name| name == condition.name),
+    };
+    Ok(departures().filter(chosen).map(|condition| condition.name).collect())
 }
 
 /// Mappers that stand in no table unless they are named: rules as published of which the table has the fitted ones.

@@ -33,6 +33,9 @@ pub struct Head {
     pub shards: u32,
     /// Parameters that are columns of the table, in order.
     pub keys: Vec<String>,
+    /// Whether the metrics of worlds that move are columns of it.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub of_movement: bool,
     /// The program that planned it; the same must run it.
     pub build: String,
     /// The files that the worlds come from.

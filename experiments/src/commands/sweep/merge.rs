@@ -24,7 +24,7 @@ pub struct Merged {
 /// An `out` that cannot be written.
 pub fn merge(manifest: &Manifest, out: &mut impl Write) -> io::Result<Merged> {
     let mut head = csv::Writer::from_writer(Vec::new());
-    head.write_record(columns(&manifest.head.keys)).map_err(io::Error::other)?;
+    head.write_record(columns(&manifest.head.keys, manifest.head.of_movement)).map_err(io::Error::other)?;
     out.write_all(&head.into_inner().map_err(|e| io::Error::other(e.to_string()))?)?;
     let mut merged = Merged::default();
     for number in 0..manifest.head.shards {

@@ -78,7 +78,7 @@ const fn of_map(key: &'static str, kind: ParameterKind, about: &'static str) -> 
 }
 
 /// All parameters, in the order of the columns of a table.
-pub const PARAMETERS: [Parameter; 49] = [
+pub const PARAMETERS: [Parameter; 50] = [
     Parameter {
         key: "size_factor",
         kind: number(0.1, 10.0, "a factor on the size of obstacles, 0.1 to 10", "give a factor such as 2"),
@@ -107,6 +107,7 @@ pub const PARAMETERS: [Parameter; 49] = [
     of_file(GENERATE, "clearance", ParameterKind::Number(limits::CLEARANCE), "what the route keeps off obstacles, m"),
     of_file(GENERATE, "wall_thickness", ParameterKind::Number(limits::THICKNESS), "thickness of walls, m"),
     of_file(GENERATE, "people_per_100_m2", ParameterKind::Both(limits::PEOPLE), "people per 100 m² of the place"),
+    of_file(GENERATE, "people_speed_m_s", ParameterKind::Both(limits::PACE), "how fast people walk, m/s"),
     of_file("robot", "radius", ParameterKind::Number(limits::RADIUS), "radius of the robot, m"),
     of_file("robot", "speed", ParameterKind::Number(limits::SPEED), "speed of the robot, m/s"),
     of_file(

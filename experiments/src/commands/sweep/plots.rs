@@ -10,19 +10,31 @@ use crate::failure::Failure;
 use crate::figures::chart::{At, Axis, Chart, Series, sheet};
 use crate::figures::style::{self, Style};
 use crate::figures::{Drawing, Paper};
+use crate::worlds::criteria::MOVING;
 use crate::worlds::estimate::Moments;
 
 /// Columns that are drawn, with their regions and titles.
-const PANELS: [Panel; 3] = [
-    Panel { metric: "log_loss", region: "observable", title: "Log loss", unit: "log loss, nats/cell" },
-    Panel { metric: "brier", region: "observable", title: "Brier score", unit: "Brier score" },
+const PANELS: [Panel; 6] = [
+    error("log_loss", "observable", "Log loss", "log loss, nats/cell"),
+    error("brier", "observable", "Brier score", "Brier score"),
     Panel {
-        metric: "log_loss",
-        region: FREE,
-        title: "How free free cells are",
-        unit: "mean probability of being free",
+        ordinate: Ordinate::Probability,
+        ..error("log_loss", FREE, "How free free cells are", "mean probability of being free")
     },
+    Panel {
+        ordinate: Ordinate::Probability,
+        ..error("harmonic_accuracy", "swept", "Static and dynamic accuracy", "harmonic mean, share of cells")
+    },
+    error("trail_area", "swept", "Trails", "trail area, m²"),
+    error("lag_looks", "changed", "Lag after a change", "lag, looks"),
 ];
+
+/// Columns of a sheet.
+const ACROSS: usize = 3;
+
+const fn error(metric: &'static str, region: &'static str, title: &'static str, unit: &'static str) -> Panel {
+    Panel { metric, region, title, unit, ordinate: Ordinate::Error }
+}
 
 /// The region of free cells that rays crossed. Of its log loss, `exp(-x)` is drawn: the geometric mean of `P(free)`.
 const FREE: &str = "visible";
@@ -39,6 +51,7 @@ struct Panel {
     region: &'static str,
     title: &'static str,
     unit: &'static str,
+    ordinate: Ordinate,
 }
 
 /// A table in memory.
@@ -85,7 +98,7 @@ pub fn draw(table: &Path, paper: &Paper) -> Result<Vec<(String, Drawing)>, Failu
     let Some(means) = read(table)? else { return Ok(Vec::new()) };
     let mut sheets = Vec::new();
     for mapper in &means.mappers {
-        let kinds = [(means.charts(mapper), PANELS.len(), SIZE), (means.range_by_looks(mapper), 1, (700.0, 520.0))];
+        let kinds = [(means.charts(mapper), ACROSS, SIZE), (means.range_by_looks(mapper), 1, (700.0, 520.0))];
         for ((charts, columns, size), name) in kinds.into_iter().zip(names(mapper)) {
             if !charts.is_empty() {
                 sheets.push((name, sheet(&charts, columns, size, paper)));
@@ -120,9 +133,8 @@ impl Means {
         }
         let name = |value: &str| format!("{} {value}", self.line).trim().to_owned();
         let lines = lines.into_iter().map(|(value, points)| (name(value), points)).collect();
-        let kind = if panel.region == FREE { Ordinate::Probability } else { Ordinate::Error };
         let title = if row.is_empty() { panel.title.to_owned() } else { format!("{}: {row}", panel.title) };
-        lined((title, panel.unit), along(&self.axis), lines, kind, style::of_mappers(&[mapper])[0])
+        lined((title, panel.unit), along(&self.axis), lines, panel.ordinate, style::of_mappers(&[mapper])[0])
     }
 
     /// Log loss against range, a line for each number of looks.
@@ -255,12 +267,15 @@ fn read(path: &Path) -> Result<Option<Means>, Failure> {
     let columns = |keys: &[&String]| keys.iter().map(|key| column(key)).collect::<Result<Vec<usize>, _>>();
     let (mapper, region, x, lines, words) =
         (column("mapper")?, column("region")?, column(axis)?, columns(&lines)?, columns(&words)?);
-    let metrics = [("log_loss", column("log_loss")?), ("brier", column("brier")?)];
+    let mut metrics = vec![("log_loss", column("log_loss")?), ("brier", column("brier")?)];
+    // Only sweeps over worlds that move have them.
+    let of_movement = MOVING.iter().map(|criterion| criterion.metric);
+    metrics.extend(of_movement.filter_map(|metric| Some((metric, heads.iter().position(|head| head == metric)?))));
     let cells = column("cells")?;
     for row in reader.records() {
         let row = row.map_err(|e| refuse(&e))?;
         let joined = |columns: &[usize]| columns.iter().map(|at| row[*at].to_owned()).collect::<Vec<_>>().join(", ");
-        for (metric, column) in metrics {
+        for &(metric, column) in &metrics {
             let Ok(value) = row[column].parse::<f64>() else { continue };
             let key = PointKey {
                 metric,
@@ -281,7 +296,7 @@ fn read(path: &Path) -> Result<Option<Means>, Failure> {
 
 /// What is best drawn along the axis, the higher the better.
 fn preference(key: &str) -> Option<usize> {
-    const KNOWN: [&str; 8] = [
+    const KNOWN: [&str; 9] = [
         "correlation",
         "scans",
         "believed_sigma",
@@ -289,6 +304,7 @@ fn preference(key: &str) -> Option<usize> {
         "correct_match",
         "size_factor",
         "assumed_length",
+        "people_per_100_m2",
         "grid",
     ];
     KNOWN.iter().position(|known| *known == key)

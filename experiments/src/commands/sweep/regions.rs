@@ -1,7 +1,7 @@
 //! The regions that a sweep scores maps in.
 
 use grid::Raster;
-use score::{LOOK_EDGES, RANGE_EDGES_M, Region, error_profile};
+use score::{LOOK_EDGES, MovingRegion, RANGE_EDGES_M, Region, error_profile};
 
 use crate::failure::Failure;
 use crate::worlds::bins::ends;
@@ -12,7 +12,13 @@ pub const RANGE_BY_LOOKS: &str = "range-by-looks";
 
 /// The names that a sweep file may give.
 pub fn known() -> Vec<&'static str> {
-    Region::ALL.iter().map(|region| region.name()).chain([RANGE_BY_LOOKS]).collect()
+    let moving = MovingRegion::ALL.iter().map(|region| region.name());
+    Region::ALL.iter().map(|region| region.name()).chain([RANGE_BY_LOOKS]).chain(moving).collect()
+}
+
+/// Whether regions of worlds that move are among them: tables then have the metrics of such worlds too.
+pub fn of_movement(regions: &[String]) -> bool {
+    regions.iter().any(|name| MovingRegion::ALL.iter().any(|region| region.name() == name))
 }
 
 /// Errors over the cells in a bin of range and looks.

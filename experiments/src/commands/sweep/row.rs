@@ -4,10 +4,10 @@ use serde_json::json;
 
 use super::job::Job;
 use super::parameters::Value as Setting;
-use super::regions::{RANGE_BY_LOOKS, range_by_looks};
+use super::regions::{RANGE_BY_LOOKS, of_movement, range_by_looks};
 use crate::failure::Failure;
 use crate::output::table::{field, optional};
-use crate::worlds::criteria::CRITERIA;
+use crate::worlds::criteria::{CRITERIA, Criterion, MOVING};
 use crate::worlds::run::{Ground, Trial};
 
 /// A map in a region, or what went wrong instead.
@@ -19,7 +19,7 @@ pub struct SweepRow {
     pub region: String,
     /// Number of cells of the region.
     pub cells: usize,
-    /// The metrics in the order of [`CRITERIA`]; none where a metric is not defined.
+    /// The metrics in the order of their columns; none where a metric is not defined, and none of those that are left out at the end.
     pub values: Vec<Option<f64>>,
     /// What went wrong; empty if nothing.
     pub error: String,
@@ -29,7 +29,7 @@ impl SweepRow {
     /// What stands for a mapper's rows when it failed.
     pub fn failed(mapper: &str, error: &str) -> Self {
         let error = error.split_whitespace().collect::<Vec<_>>().join(" ");
-        Self { mapper: mapper.to_owned(), region: String::new(), cells: 0, values: vec![None; CRITERIA.len()], error }
+        Self { mapper: mapper.to_owned(), region: String::new(), cells: 0, values: Vec::new(), error }
     }
 
     /// Its log loss, for who watches.
@@ -50,16 +50,23 @@ impl SweepRow {
         fields.extend(keys.iter().map(setting));
         fields.extend([self.mapper.clone(), self.region.clone()]);
         fields.push(if self.error.is_empty() { self.cells.to_string() } else { String::new() });
-        fields.extend(self.values.iter().map(|value| field(&optional(*value))));
+        let values = self.values.iter().copied().chain(std::iter::repeat(None));
+        fields.extend(metrics(of_movement(&job.regions)).zip(values).map(|(_, value)| field(&optional(value))));
         fields.push(self.error.clone());
         fields
     }
 }
 
-/// The columns of a table with the given parameters.
-pub fn columns(keys: &[String]) -> Vec<String> {
+/// The metrics of a table, with those of worlds that move or without.
+fn metrics(of_movement: bool) -> impl Iterator<Item = &'static Criterion> {
+    CRITERIA.iter().chain(MOVING.iter().filter(move |_| of_movement))
+}
+
+/// The columns of a table with the given parameters, with the metrics of worlds that move or without.
+pub fn columns(keys: &[String], of_movement: bool) -> Vec<String> {
     let names = ["id", "scene", "seed"].into_iter().chain(keys.iter().map(String::as_str));
-    let names = names.chain(["mapper", "region", "cells"]).chain(CRITERIA.iter().map(|criterion| criterion.metric));
+    let names = names.chain(["mapper", "region", "cells"]);
+    let names = names.chain(metrics(of_movement).map(|criterion| criterion.metric));
     names.chain(["error"]).map(str::to_owned).collect()
 }
 
@@ -88,13 +95,13 @@ pub fn rows(job: &Job, ground: &Ground, trial: &Trial) -> Result<Vec<SweepRow>, 
         for region in &job.regions {
             if region == RANGE_BY_LOOKS {
                 for bin in range_by_looks(ground, trial, &run.stages[last].occupancy)? {
-                    let errors = bin.errors.into_iter().chain(std::iter::repeat(None));
-                    rows.push(row(bin.name, bin.cells, errors.take(CRITERIA.len()).collect()));
+                    rows.push(row(bin.name, bin.cells, bin.errors.to_vec()));
                 }
                 continue;
             }
             let cells = metric(region, "log_loss").map_or(0, |metric| metric.support);
-            let values = CRITERIA.iter().map(|c| metric(region, c.metric).and_then(|metric| metric.value));
+            let values =
+                metrics(of_movement(&job.regions)).map(|c| metric(region, c.metric).and_then(|metric| metric.value));
             rows.push(row(region.clone(), cells, values.collect()));
         }
     }

@@ -1,6 +1,6 @@
 //! The schema of files of families.
 
-use scene::reader::limits::{CLEARANCE, COVERED, OBSTACLE, OPENING, PEOPLE, SHARE, SIDE, SPREAD, THICKNESS};
+use scene::reader::limits::{CLEARANCE, COVERED, OBSTACLE, OPENING, PACE, PEOPLE, SHARE, SIDE, SPREAD, THICKNESS};
 use serde_json::{Value, json};
 use strict::Limit;
 
@@ -24,6 +24,7 @@ pub fn family() -> Value {
         ("clearance", number("What the route keeps off them", &CLEARANCE)),
         ("wall_thickness", number("Thickness of walls", &THICKNESS)),
         ("people_per_100_m2", range("People per 100 m²", &PEOPLE)),
+        ("people_speed_m_s", range("Speed of people", &PACE)),
     ];
     let mut generate =
         table("What layouts are generated from", &keys, &["kind", "width", "height", "obstacle_size", "covered"]);

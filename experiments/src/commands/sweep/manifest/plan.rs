@@ -8,6 +8,7 @@ use super::{Head, Line, MANIFEST, Manifest, shard_of};
 use crate::commands::sweep::file::Sweep;
 use crate::commands::sweep::job::Job;
 use crate::commands::sweep::parameters::{Of, Value, parameter};
+use crate::commands::sweep::regions::of_movement;
 use crate::commands::sweep::source::SourceFile;
 use crate::failure::Failure;
 use crate::output::digest::{Running, build};
@@ -79,6 +80,7 @@ pub fn plan(sweep: &Sweep, folder: &Path, shards: Option<u32>, replace: Replace)
         jobs,
         shards,
         keys: sweep.keys().into_iter().map(str::to_owned).collect(),
+        of_movement: of_movement(&sweep.regions),
         build: build()?.to_owned(),
         sites: sites.clone(),
     };

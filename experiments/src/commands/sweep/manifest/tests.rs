@@ -33,6 +33,7 @@ fn shards_are_runs_of_all_jobs_whatever_their_numbers() {
             let manifest = Manifest {
                 folder: PathBuf::new(),
                 head: Head {
+                    of_movement: false,
                     schema_version: 1,
                     sweep: String::new(),
                     jobs,
