@@ -83,8 +83,8 @@ fn heading(scene: &Scene, stop: usize) -> f64 {
     libm::atan2(y, x)
 }
 
-/// Estimates the number of scans, so that a slip of the pen is not simulated for hours.
-fn refuse_endless(scene: &Scene) -> Result<(), SceneError> {
+/// How long the route takes where nothing is in the way, s.
+pub(crate) fn least_time_s(scene: &Scene) -> f64 {
     let robot = scene.robot;
     let mut time_s = scene.stops[0].wait_s;
     for stop in 1..scene.stops.len() {
@@ -95,7 +95,16 @@ fn refuse_endless(scene: &Scene) -> Result<(), SceneError> {
                 course::turn_between(heading(scene, stop - 1), heading(scene, stop)).abs() / robot.turn_rate_rad_s;
         }
     }
-    let scans = time_s / robot.scan_interval_s + scene.stages.len() as f64 + 1.0;
+    time_s
+}
+
+/// Estimates the number of scans, so that a slip of the pen is not simulated for hours.
+fn refuse_endless(scene: &Scene) -> Result<(), SceneError> {
+    let time_s = least_time_s(scene);
+    if scene.moves() && time_s > among::LONGEST_S {
+        return Err(invalid(&scene.stops[0], Problem::TooLongAmong { limit_s: among::LONGEST_S }));
+    }
+    let scans = time_s / scene.robot.scan_interval_s + scene.stages.len() as f64 + 1.0;
     let columns = scene.camera.columns;
     let things = scene.movers.len() + scene.doors.len() + scene.chairs.len();
     let per_scan = columns as u64 * memory::BYTES_PER_RAY + things as u64 * memory::BYTES_PER_THING;

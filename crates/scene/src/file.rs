@@ -10,6 +10,7 @@ pub(crate) mod edit;
 mod family;
 mod findings;
 mod fit;
+mod late;
 pub mod limits;
 mod map;
 mod movers;
@@ -115,7 +116,7 @@ fn checked(root: &Table, path: &Path, cell_m: Option<f64>, found: &mut Findings)
     let motion_seed = found.take(root.optional_whole("motion_seed", &limits::SEED)).flatten().unwrap_or(0);
     let camera = camera::camera(root, found);
     let matcher = camera::matcher(root, found);
-    let scene = Scene {
+    let mut scene = Scene {
         name: name?,
         description,
         layout: None,
@@ -138,6 +139,7 @@ fn checked(root: &Table, path: &Path, cell_m: Option<f64>, found: &mut Findings)
     };
     if found.count() == 0 {
         room_to_move::check(root, &scene, found);
+        scene.warnings.extend(late::warnings(root, &scene));
     }
     Some(scene)
 }

@@ -5,10 +5,11 @@
 //! line and column. From a scene follow
 //!
 //! - [`World`], in which parry casts rays, [`World::cast`], and discs are driven, [`World::collision`];
-//! - [`drive`], in which rapier moves the robot along the route and finds what blocks it;
+//! - [`drive`], in which rapier moves the robot along the route, and people, doors and chairs beside it, and finds what blocks it;
+//!   [`Motion`] is where everything was at each scan;
 //! - [`simulate`], which gives the readings of a seed, whatever the number of threads;
 //! - [`truth`], the cells that are really occupied, and [`truth_at_centres`], those occupied where
-//!   their centres are.
+//!   their centres are; [`covered_at`], those that moving things cover at a scan.
 //!
 //! A [`Family`] makes a scene of every layout number, with furniture of a given mean size that keeps
 //! off the route; [`load`] takes a file of either form. [`from_map`] and [`from_plan`] make a scene file of a

@@ -25,6 +25,19 @@ pub enum Warning {
         /// The map's origin, m.
         origin_m: [f64; 2],
     },
+    /// Something that is to happen when the drive is over.
+    Late {
+        /// Where the time stands.
+        place: Place,
+        /// The part of the scene, such as `mover 2`.
+        element: String,
+        /// The key of the time.
+        key: &'static str,
+        /// The time, s.
+        at_s: f64,
+        /// How long the drive takes if nothing holds the robot up, s.
+        drive_s: f64,
+    },
     /// A drive on which many rays end on nothing.
     Open {
         /// The scene, or what it is made from.
@@ -51,6 +64,10 @@ impl fmt::Display for Warning {
             Self::Far { place, origin_m: [x, y] } => write!(
                 f,
                 "{place}: origin = [{x}, {y}]: more than 1000000 m away; the scene has the map's lower-left corner at [0, 0] instead",
+            ),
+            Self::Late { place, element, key, at_s, drive_s } => write!(
+                f,
+                "{place}: {element}: {key}: {at_s} s is after the end of the drive, which takes about {drive_s:.0} s: it never happens; give an earlier time, or have the robot wait"
             ),
             Self::Open { path, on_nothing, length_m, inside_m } => write!(
                 f,

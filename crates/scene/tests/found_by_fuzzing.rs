@@ -113,3 +113,11 @@ columns = 20
 "#
     )
 }
+
+#[test]
+fn the_seed_with_everything_that_moves_is_a_scene_that_can_be_driven() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fuzz/seeds/scene/moving.toml");
+    let scene = Scene::load(&path, None).unwrap_or_else(|error| panic!("{error}"));
+    let drive = scene::drive(&scene).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(drive.motion.len(), 8);
+}

@@ -99,6 +99,8 @@ fn facts(ground: &Ground) -> Result<Vec<(String, Value, &'static str)>, Failure>
         ("rays that end on an obstacle".to_owned(), json!(hits), "1"),
         ("... but in no occupied cell".to_owned(), json!(seen.hits_without_surface()), "1"),
     ];
+    let moving = [("people", scene.movers.len()), ("doors", scene.doors.len()), ("chairs", scene.chairs.len())];
+    facts.extend(moving.iter().filter(|(_, n)| *n > 0).map(|(what, n)| ((*what).to_owned(), json!(n), "1")));
     for (name, scans) in &ground.drive.stage_ends {
         facts.push((format!("stage {name} ends after scan"), json!(scans), "1"));
     }

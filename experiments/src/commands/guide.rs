@@ -19,7 +19,7 @@ macro_rules! pages {
     ($($name:literal),* $(,)?) => { [$(($name, include_str!(concat!("../../guide/", $name, ".md")))),*] };
 }
 
-const PAGES: [(&str, &str); 23] = pages![
+const PAGES: [(&str, &str); 24] = pages![
     "introduction",
     "commands",
     "room",
@@ -29,6 +29,7 @@ const PAGES: [(&str, &str); 23] = pages![
     "sensor",
     "scenes",
     "families",
+    "moving",
     "maps-and-plans",
     "convert",
     "score",

@@ -79,7 +79,7 @@ const fn judged(
 ///
 /// The margins were set before any comparison was run: half a static cell in a hundred, one swept cell in a hundred, eight cells of 5 cm of trail or ghost,
 /// half a look, two changes in a hundred.
-pub const MOVING: [Criterion; 8] = [
+pub const MOVING: [Criterion; 9] = [
     of_movement("static_accuracy", "static", "1", 3, Some((Higher, 0.005)), MovingRegion::Static.name()),
     of_movement("dynamic_accuracy", "dynamic", "1", 3, Some((Higher, 0.01)), MovingRegion::Swept.name()),
     of_movement("harmonic_accuracy", "harmonic", "1", 3, Some((Higher, 0.005)), MovingRegion::Swept.name()),
@@ -88,6 +88,7 @@ pub const MOVING: [Criterion; 8] = [
     of_movement("lag_looks", "lag", "looks", 2, Some((Lower, 0.5)), MovingRegion::Changed.name()),
     of_movement("lag_open", "lag open", "1", 3, None, MovingRegion::Changed.name()),
     of_movement("followed_3", "followed", "1", 3, Some((Higher, 0.02)), MovingRegion::Changed.name()),
+    of_movement("cleared_3", "cleared", "1", 3, Some((Higher, 0.02)), MovingRegion::Changed.name()),
 ];
 
 const fn of_movement(

@@ -352,7 +352,7 @@ struct Now<'a> {
 }
 
 /// Metrics that follow from the maps after every scan.
-const OF_EVERY_SCAN: [&str; 4] = ["retention", "lag_looks", "lag_open", "followed_3"];
+const OF_EVERY_SCAN: [&str; 5] = ["retention", "lag_looks", "lag_open", "followed_3", "cleared_3"];
 
 /// A mapper on its way.
 struct Walk {

@@ -22,6 +22,7 @@ pub const FILES: Brought = files![
     "scenes/maps/UMA_236_237.pgm",
     "scenes/maps/UMA_236_237.yaml",
     "scenes/plans/flat.json",
+    "experiments/gates/moving.toml",
     "experiments/sweeps/camera.toml",
     "experiments/sweeps/cell-size.toml",
     "experiments/sweeps/lateral.toml",
@@ -58,7 +59,9 @@ mod tests {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the repository");
         let mut expected =
             BTreeSet::from(["results/gates-baseline.csv", "results/gates.toml"].map(|name| root.join(name)));
-        ["scenes", "experiments/sweeps"].iter().for_each(|folder| below(&root.join(folder), &mut expected));
+        ["scenes", "experiments/gates", "experiments/sweeps"]
+            .iter()
+            .for_each(|folder| below(&root.join(folder), &mut expected));
         assert_eq!(FILES.iter().map(|(path, _)| root.join(path)).collect::<BTreeSet<_>>(), expected);
         for (path, content) in FILES {
             assert_eq!(fs::read(root.join(path)).expect("there"), *content, "{path}");

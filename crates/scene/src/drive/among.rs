@@ -7,7 +7,7 @@ use crate::geometry::{distance, minus};
 use crate::{Problem, Scene, SceneError};
 
 /// A longer drive, s, takes too many steps.
-const LONGEST_S: f64 = 36_000.0;
+pub(super) const LONGEST_S: f64 = 36_000.0;
 
 /// A robot that gets on by less in a step, m, stands.
 const STANDS_M: f64 = 1e-6;
@@ -26,11 +26,11 @@ pub(super) fn drive(scene: &Scene) -> Result<Drive, SceneError> {
         if arrived > 1 {
             let theta_rad = heading(scene, arrived - 1);
             let (sin, cos) = libm::sincos(theta_rad);
-            crowd.expect(Some([cos, sin]), distance(course.at_m(), scene.waypoint_of(arrived - 1).at_m));
+            crowd.expect(Some([cos, sin]), distance(course.at_m(), scene.waypoint_of(arrived - 1).at_m), 0.0);
             course.turn(theta_rad, robot.turn_rate_rad_s, &mut crowd);
             straight(scene, arrived - 1, &mut course, &mut crowd)?;
         }
-        crowd.expect(None, 0.0);
+        crowd.expect(None, 0.0, 0.0);
         course.stand(scene.stops[arrived - 1].wait_s, &mut crowd);
         for stage in scene.stages.iter().filter(|stage| stage.stops == arrived) {
             course.scan_on_arrival(&mut crowd);
@@ -52,7 +52,7 @@ fn straight(scene: &Scene, stop: usize, course: &mut Course, crowd: &mut Crowd) 
         let now_s = course.time_s();
         let next_s = (now_s + (left_m / robot.speed_m_s).min(STEP_S)).min(course.due_s().max(now_s));
         let wish_m = (robot.speed_m_s * (next_s - now_s)).min(left_m);
-        crowd.expect(Some(direction), left_m);
+        crowd.expect(Some(direction), left_m, stood_s);
         let (moved_m, who) = crowd.drive(direction, wish_m);
         gone_m += moved_m;
         let at = if length_m - gone_m > THERE_M { [0, 1].map(|k| from[k] + gone_m * direction[k]) } else { to };

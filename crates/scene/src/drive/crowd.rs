@@ -33,6 +33,8 @@ pub(super) struct Passing {
     /// Where it drives, if it does, and how far, m.
     pub(super) direction: Option<[f64; 2]>,
     pub(super) left_m: f64,
+    /// How long it has stood before something, s.
+    pub(super) waits_s: f64,
 }
 
 /// The way that the robot has come.
@@ -88,7 +90,7 @@ impl<'a> Crowd<'a> {
             scene,
             room,
             robot,
-            passing: Passing { at_m, radius_m, direction: None, left_m: 0.0 },
+            passing: Passing { at_m, radius_m, direction: None, left_m: 0.0, waits_s: 0.0 },
             trail: Trail(vec![at_m]),
             walkers,
             leaves,
@@ -99,9 +101,10 @@ impl<'a> Crowd<'a> {
         }
     }
 
-    /// Tells everybody where the robot is about to drive, if it does: a unit vector, and how far, m.
-    pub(super) fn expect(&mut self, direction: Option<[f64; 2]>, left_m: f64) {
-        (self.passing.direction, self.passing.left_m) = (direction, left_m);
+    /// Tells everybody where the robot is about to drive, if it does: a unit vector, how far, m, and how long it has waited
+    /// for that, s.
+    pub(super) fn expect(&mut self, direction: Option<[f64; 2]>, left_m: f64, waits_s: f64) {
+        self.passing = Passing { direction, left_m, waits_s, ..self.passing };
     }
 
     /// Moves the robot along a unit vector by up to `wish_m`: how far it came, m, and what stopped it.

@@ -264,3 +264,17 @@ fn the_room_is_the_papers() {
     let (before, after) = drive.poses.split_at(first_at_b.expect("B is reached"));
     assert!(nearest(before) < 1.5 && nearest(after) > 4.5, "{} {}", nearest(before), nearest(after));
 }
+
+#[test]
+fn what_comes_after_the_end_of_the_drive_is_suspicious() {
+    let text = format!(
+        "{SMALL}[[mover]]\nradius = 0.2\nroute = [[1.0, 2.0], [3.0, 2.0]]\nstart_s = 10.0\n[[chair]]\ncenter = [2.0, 2.5]\nradius = 0.1\n\
+         moves = [{{ at_s = 3.0, to_m = [2.2, 2.5] }}, {{ at_s = 90.0, to_m = [2.0, 2.5] }}]\n[[door]]\nhinge = [0.5, 2.5]\nlength = 0.3\n\
+         closed_deg = 0\nopen_deg = 90\nopen_s = [[0.0, 2.0], [3.0, 99.0]]\n"
+    );
+    let warnings: Vec<String> = parsed(&text).expect("valid").warnings.iter().map(ToString::to_string).collect();
+    let end = "s is after the end of the drive, which takes about 4 s: it never happens; give an earlier time, or have the robot wait";
+    let expected =
+        [format!("s.toml:13:11: mover 1: start_s: 10 {end}"), format!("s.toml:17:9: chair 1: moves: 90 {end}")];
+    assert_eq!(warnings, expected);
+}

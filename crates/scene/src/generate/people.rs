@@ -84,6 +84,12 @@ pub(crate) fn draw(
         if matches!(goes, Goes::BackAndForth { .. }) {
             extend(&mut route, layout, radius, &mut rng);
         }
+        // Who finds no way from where it stands stays about.
+        let goes = if route.len() == 1 && matches!(goes, Goes::BackAndForth { .. }) {
+            Goes::About { within_m: 0.5, pause_s: 3.0 }
+        } else {
+            goes
+        };
         people.push(Person { radius, speed, route, goes });
     }
     Some(people)

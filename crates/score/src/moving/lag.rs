@@ -27,10 +27,55 @@ pub const QUICK_LOOKS: usize = 3;
 #[derive(Debug, Clone)]
 pub struct Lag {
     cells: Raster<Found>,
+    /// Changes to free ...
+    to_free: Lags,
+    /// ... and to occupied.
+    to_occupied: Lags,
+}
+
+/// How changes of a kind have gone.
+#[derive(Debug, Clone, Copy, Default)]
+struct Lags {
     /// Number of changes followed at look k + 1.
     followed: [usize; LONGEST_LAG],
     /// Number of changes that ended unfollowed after k + 1 looks.
     ended: [usize; LONGEST_LAG],
+}
+
+impl Lags {
+    fn and(&self, other: &Self) -> Self {
+        let sum = |a: &[usize; LONGEST_LAG], b: &[usize; LONGEST_LAG]| std::array::from_fn(|k| a[k] + b[k]);
+        Self { followed: sum(&self.followed, &other.followed), ended: sum(&self.ended, &other.ended) }
+    }
+
+    fn open(&self) -> usize {
+        self.ended.iter().sum()
+    }
+
+    fn changes(&self) -> usize {
+        self.followed.iter().sum::<usize>() + self.open()
+    }
+
+    /// `S(0)` to `S(10)`: the shares not followed after so many looks.
+    fn unfollowed(&self) -> [f64; LONGEST_LAG + 1] {
+        let (mut at_risk, mut shares) = (self.changes(), [1.0; LONGEST_LAG + 1]);
+        for k in 0..LONGEST_LAG {
+            let stay = if at_risk > 0 { (at_risk - self.followed[k]) as f64 / at_risk as f64 } else { 1.0 };
+            shares[k + 1] = shares[k] * stay;
+            at_risk -= self.followed[k] + self.ended[k];
+        }
+        shares
+    }
+
+    /// The share followed within [`QUICK_LOOKS`].
+    fn quick(&self, name: &'static str) -> Metric {
+        self.metric(name, "1", 1.0 - self.unfollowed()[QUICK_LOOKS])
+    }
+
+    fn metric(&self, name: &'static str, unit: &'static str, value: f64) -> Metric {
+        let changes = self.changes();
+        Metric { name, value: (changes > 0).then_some(value), unit, support: changes }
+    }
 }
 
 /// What looks have found of a cell.
@@ -45,7 +90,7 @@ struct Found {
 impl Lag {
     /// Before the first scan.
     pub fn new(truth: &Raster<Option<bool>>) -> Self {
-        Self { cells: truth.map(|_| Found::default()), followed: [0; LONGEST_LAG], ended: [0; LONGEST_LAG] }
+        Self { cells: truth.map(|_| Found::default()), to_free: Lags::default(), to_occupied: Lags::default() }
     }
 
     /// Takes note of the map at the end of a scan; call it once per scan, in order. `truth` is that of the moment, `near` the cells that the scan
@@ -76,41 +121,37 @@ impl Lag {
         let Found { state, looks } = self.cells[cell];
         let changed = state.is_some_and(|state| state != occupied);
         if changed && looks > 0 {
-            self.ended[usize::from(looks) - 1] += 1;
+            self.lags(!occupied).ended[usize::from(looks) - 1] += 1;
         }
         let looks = if changed { 1 } else { looks + u8::from(looks > 0) };
         let right = if occupied { p > HELD_OCCUPIED } else { p < HELD_OCCUPIED };
         let last = usize::from(looks) == LONGEST_LAG;
         if looks > 0 && right {
-            self.followed[usize::from(looks) - 1] += 1;
+            self.lags(occupied).followed[usize::from(looks) - 1] += 1;
         } else if last {
-            self.ended[LONGEST_LAG - 1] += 1;
+            self.lags(occupied).ended[LONGEST_LAG - 1] += 1;
         }
         self.cells[cell] = Found { state: Some(occupied), looks: if right || last { 0 } else { looks } };
     }
 
+    fn lags(&mut self, occupied: bool) -> &mut Lags {
+        if occupied { &mut self.to_occupied } else { &mut self.to_free }
+    }
+
     /// `lag_looks`, the restricted mean lag in looks; `lag_open`, the share of changes that were not followed in the looks they got, ten at most; `followed_3`,
-    /// the share followed within [`QUICK_LOOKS`], by the same estimate. Support of each: the changes that were found so far.
-    pub fn metrics(&self) -> [Metric; 3] {
-        let mut ended = self.ended;
+    /// the share followed within [`QUICK_LOOKS`], by the same estimate; and `cleared_3`, the same of changes to free. Support of each: those changes that were found so far.
+    pub fn metrics(&self) -> [Metric; 4] {
+        let mut so_far = self.clone();
         for found in self.cells.values().iter().filter(|found| found.looks > 0) {
-            ended[usize::from(found.looks) - 1] += 1;
+            so_far.lags(found.state == Some(true)).ended[usize::from(found.looks) - 1] += 1;
         }
-        let open: usize = ended.iter().sum();
-        let changes = self.followed.iter().sum::<usize>() + open;
-        let (mut at_risk, mut share, mut mean, mut quick) = (changes, 1.0, 0.0, 0.0);
-        for (k, (&followed, &ended)) in self.followed.iter().zip(&ended).enumerate() {
-            mean += share;
-            if at_risk > 0 {
-                share *= (at_risk - followed) as f64 / at_risk as f64;
-            }
-            at_risk -= followed + ended;
-            if k + 1 == QUICK_LOOKS {
-                quick = 1.0 - share;
-            }
-        }
-        let of = |name, value, unit| Metric { name, value: (changes > 0).then_some(value), unit, support: changes };
-        [of("lag_looks", mean, "looks"), Metric::share("lag_open", open, changes), of("followed_3", quick, "1")]
+        let all = so_far.to_free.and(&so_far.to_occupied);
+        [
+            all.metric("lag_looks", "looks", all.unfollowed()[..LONGEST_LAG].iter().sum()),
+            Metric::share("lag_open", all.open(), all.changes()),
+            all.quick("followed_3"),
+            so_far.to_free.quick("cleared_3"),
+        ]
     }
 }
 
@@ -123,7 +164,7 @@ mod tests {
     /// A look at a cell, or none: state, and what the map says after the scan.
     type Scan = (Option<bool>, f64);
 
-    fn after(histories: &[Vec<Scan>]) -> [Metric; 3] {
+    fn after(histories: &[Vec<Scan>]) -> [Metric; 4] {
         let unknown = drawn(&[&"?".repeat(histories.len())]);
         let mut lag = Lag::new(&unknown);
         for scan in 0..histories[0].len() {
@@ -176,9 +217,10 @@ mod tests {
         // One change is followed at its second look, one ends unfollowed after its first.
         let quick = vec![(FREE, 0.1), (TAKEN, 0.1), (TAKEN, 0.9)];
         let short = vec![(FREE, 0.1), (TAKEN, 0.1), (None, 0.1)];
-        let [lag, open, within] = after(&[quick, short]);
+        let [lag, open, within, cleared] = after(&[quick, short]);
         assert_eq!((lag.value, open.value, within.value), (Some(2.0), Some(0.5), Some(1.0)));
         assert_eq!((lag.support, open.name, within.name), (2, "lag_open", "followed_3"));
+        assert_eq!((cleared.value, cleared.support, cleared.name), (None, 0, "cleared_3"), "nothing became free");
     }
 
     #[test]
@@ -189,9 +231,9 @@ mod tests {
             history.extend(vec![(TAKEN, 0.9); 3]);
             after(&[history]).map(|metric| metric.value)
         };
-        assert_eq!(follow(10), [Some(10.0), Some(0.0), Some(0.0)]);
-        assert_eq!(follow(11), [Some(10.0), Some(1.0), Some(0.0)]);
-        assert_eq!(follow(300), [Some(10.0), Some(1.0), Some(0.0)]);
+        assert_eq!(follow(10), [Some(10.0), Some(0.0), Some(0.0), None]);
+        assert_eq!(follow(11), [Some(10.0), Some(1.0), Some(0.0), None]);
+        assert_eq!(follow(300), [Some(10.0), Some(1.0), Some(0.0), None]);
         assert_eq!((follow(3)[2], follow(4)[2]), (Some(1.0), Some(0.0)));
     }
 
@@ -209,8 +251,8 @@ mod tests {
         assert!(lag.metrics().iter().all(|metric| metric.value.is_none() && metric.support == 0));
     }
 
-    /// The looks that every change got and whether the map followed it at the last of them, read from the whole history of a cell.
-    fn changes(history: &[Scan]) -> Vec<(usize, bool)> {
+    /// The looks that every change got, whether the map followed it at the last of them, and whether it was to occupied, read from the whole history of a cell.
+    fn changes(history: &[Scan]) -> Vec<(usize, bool, bool)> {
         let looks: Vec<(bool, f64)> = history.iter().filter_map(|scan| Some((scan.0?, scan.1))).collect();
         let starts = (1..looks.len()).filter(|&k| looks[k].0 != looks[k - 1].0);
         let change = |start: usize| {
@@ -218,7 +260,7 @@ mod tests {
             let run = looks[start..].iter().take_while(|look| look.0 == state).take(10);
             let run: Vec<f64> = run.map(|look| look.1).collect();
             let right = run.iter().position(|&p| if state { p > 0.5 } else { p < 0.5 });
-            right.map_or((run.len(), false), |k| (k + 1, true))
+            right.map_or((run.len(), false, state), |k| (k + 1, true, state))
         };
         starts.map(change).collect()
     }
@@ -234,16 +276,23 @@ mod tests {
                 prop::collection::vec(prop::collection::vec(scan, scans), 1..12)
             }),
         ) {
-            let all: Vec<(usize, bool)> = histories.iter().flat_map(|h| changes(h)).collect();
-            let share = |k: usize| (1..=k).map(|j| {
-                let got = all.iter().filter(|change| change.0 >= j).count();
-                let followed = all.iter().filter(|change| **change == (j, true)).count();
+            let all: Vec<_> = histories.iter().flat_map(|h| changes(h)).collect();
+            let to_free: Vec<_> = all.iter().copied().filter(|change| !change.2).collect();
+            let share = |of: &[(usize, bool, bool)], k: usize| (1..=k).map(|j| {
+                let got = of.iter().filter(|change| change.0 >= j).count();
+                let followed = of.iter().filter(|change| change.0 == j && change.1).count();
                 if got > 0 { 1.0 - followed as f64 / got as f64 } else { 1.0 }
             }).product::<f64>();
             let open = all.iter().filter(|change| !change.1).count();
-            let expected = [(0..10).map(share).sum(), open as f64 / all.len() as f64, 1.0 - share(3)];
-            for (metric, expected) in after(&histories).iter().zip(expected) {
-                prop_assert_eq!((metric.value.is_some(), metric.support), (!all.is_empty(), all.len()));
+            let mean = (0..10).map(|k| share(&all, k)).sum();
+            let expected = [
+                (mean, all.len()),
+                (open as f64 / all.len() as f64, all.len()),
+                (1.0 - share(&all, 3), all.len()),
+                (1.0 - share(&to_free, 3), to_free.len()),
+            ];
+            for (metric, (expected, support)) in after(&histories).iter().zip(expected) {
+                prop_assert_eq!((metric.value.is_some(), metric.support), (support > 0, support));
                 prop_assert!(metric.value.is_none_or(|v| (v - expected).abs() < 1e-12), "{:?} is not {}", metric, expected);
             }
         }

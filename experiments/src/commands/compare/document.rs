@@ -79,8 +79,8 @@ const BETTER: &str = "Every mapper has the same readings, and every world is a p
     better or worse where the interval excludes zero and the adjusted p is at most 0.05; else undecided, which is not the same as no difference.";
 const MOVED: &str = "Static: the share of the cells that nothing has covered which a map holds right. Dynamic: the share of the cells where something has been, and is \
     no more, that it holds free again; harmonic: the harmonic mean of both, never to be read alone. Trail: the area of those held occupied; ghost: the largest patch of \
-    changed cells that are free now and held occupied. Lag: the mean number of looks from at most 4 m until a change is in the map, 10 at most; followed: the share of changes \
-    that are within 3.";
+    changed cells that are free now and held occupied. Lag: the mean number of looks from at most 4 m until a change is in the map, 10 at most; cleared: the share of changes \
+    to free that are within 3.";
 const DRIVES: &str = "Drives between pairs of places that follow from the truth alone, 200 a world unless asked otherwise and the same for every mapper: \
     planned on the map of the whole drive, on which a cell above the threshold (0.5) is an obstacle, as is what no ray reached (--plan-unknown), and driven as the \
     robot's disc in the exact world. Reached: the share planned and driven without a collision. Colliding: the share planned and driven into something. \

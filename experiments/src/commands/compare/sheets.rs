@@ -23,7 +23,7 @@ const DRIVEN: [&str; 5] = ["reached", "colliding", "detour", "recall_50", "recal
 
 /// The metrics of the table of what moves.
 const MOVED: [&str; 7] =
-    ["static_accuracy", "dynamic_accuracy", "harmonic_accuracy", "trail_area", "ghost_area", "lag_looks", "followed_3"];
+    ["static_accuracy", "dynamic_accuracy", "harmonic_accuracy", "trail_area", "ghost_area", "lag_looks", "cleared_3"];
 
 /// Variants that take one idea away, or add one, and which.
 const ABLATIONS: [(&str, &str); 9] = [

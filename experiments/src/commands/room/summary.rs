@@ -50,7 +50,7 @@ const MOVEMENT: [(Column, &str); 7] = [
     (("trail", "trail_area", 2), "swept"),
     (("ghost", "ghost_area", 2), "changed"),
     (("lag", "lag_looks", 1), "changed"),
-    (("followed", "followed_3", 2), "changed"),
+    (("cleared", "cleared_3", 2), "changed"),
 ];
 
 /// Tables of the last stage over what was observable and in every named region, then the claims.

@@ -40,6 +40,12 @@ impl Truth {
     fn of_scene(options: &ScoreOptions) -> Result<Self, Failure> {
         let scene = scene::load(&options.truth, options.grid, options.layout)?;
         warn(&scene.warnings);
+        if scene.moves() {
+            let path = options.truth.display();
+            warn(&[format!(
+                "{path}: things move in it, and maps are held against what does not; `room` scores them at every moment, and its truth.npy is the truth at the end"
+            )]);
+        }
         let cells = scene::truth(&scene);
         let frame = Frame::straight(scene.grid);
         Ok(Self { frame, cells, scene: Some(scene), sources: vec![options.truth.clone()] })

@@ -58,8 +58,11 @@ const PLACES: [[f64; 2]; 6] = [[2.0, 1.6], [4.1, 1.6], [6.0, 1.6], [2.0, 4.6], [
 /// Who walks from one of these places to the next ones, in this order.
 fn people() -> impl Strategy<Value = String> {
     let one = (0.3f64..2.0, 0.0f64..3.0, 0usize..5, 0.12f64..0.3);
-    (prop::collection::vec(one, 2..6), 0u64..1000).prop_map(|(people, seed)| {
-        let mut text = format!("motion_seed = {seed}\n{ROUND}");
+    (prop::collection::vec(one, 2..6), 0u64..1000, 0.0f64..1.0).prop_map(|(people, seed, chance)| {
+        let mut text = format!(
+            "motion_seed = {seed}\n{ROUND}{DOOR}period_s = 6.0\nopen_chance = {chance:?}\n\
+             [[chair]]\ncenter = [4.1, 3.0]\nsize = [0.3, 0.3]\nmoves = [{{ at_s = 9.0, to_m = [4.1, 1.6] }}, {{ at_s = 25.0, to_m = [6.6, 3.4], turn_deg = 20.0 }}]\n"
+        );
         for (k, (speed, pause, kind, radius)) in people.into_iter().enumerate() {
             let at = |k: usize| format!("{:?}", PLACES[k % 6]);
             let (a, b) = (at(k), at(k / 3 * 3 + (k + 1) % 3));
@@ -95,7 +98,8 @@ proptest! {
             let time_s = drive.poses[scan].time_s - drive.poses[scan - 1].time_s;
             for ((k, now), (_, then)) in drive.motion.shapes_at(scan).zip(drive.motion.shapes_at(scan - 1)) {
                 let gone_m = distance(now.extent_m()[0], then.extent_m()[0]);
-                prop_assert!(gone_m <= scene.movers[k].speed_m_s * time_s + 1e-9, "mover {} went {gone_m} m", k + 1);
+                let most_m = scene.movers.get(k).map_or(f64::INFINITY, |mover| mover.speed_m_s * time_s);
+                prop_assert!(gone_m <= most_m + 1e-9, "mover {} went {gone_m} m", k + 1);
             }
         }
     }
@@ -283,9 +287,9 @@ fn people_pass_in_the_shipped_corridor() {
     // Everybody gets about, in front of the camera, for a good part of the drive.
     for thing in 0..drive.motion.len() {
         let walked_m: f64 = course_of(&drive, thing).windows(2).map(|pair| distance(pair[0], pair[1])).sum();
-        assert!(walked_m > 10.0, "mover {} walked {walked_m} m", thing + 1);
+        assert!(walked_m > 2.5, "mover {} walked {walked_m} m", thing + 1);
     }
-    assert!((350..700).contains(&drive.poses.len()), "{} scans", drive.poses.len());
+    assert!((300..700).contains(&drive.poses.len()), "{} scans", drive.poses.len());
 }
 
 #[test]
