@@ -12,6 +12,12 @@ pub(super) const LONGEST_S: f64 = 36_000.0;
 /// A robot that gets on by less in a step, m, stands.
 const STANDS_M: f64 = 1e-6;
 
+/// A robot that has stood before people for so long, s, goes back so far, m, and lets them pass for so long, s: they may have no
+/// other way out.
+const BACK_AFTER_S: f64 = 10.0;
+const BACK_M: f64 = 0.8;
+const HOLD_S: f64 = 4.0;
+
 /// What is left of a leg when the robot is there, m.
 const THERE_M: f64 = 1e-9;
 
@@ -41,34 +47,97 @@ pub(super) fn drive(scene: &Scene) -> Result<Drive, SceneError> {
     Ok(Drive { poses: course.into_poses(), stage_ends, motion: crowd.into_motion() })
 }
 
+/// A leg of the route among what moves.
+struct Leg {
+    direction: [f64; 2],
+    length_m: f64,
+    /// How far along it the robot is, and how far it has been, m.
+    gone_m: f64,
+    farthest_m: f64,
+    /// How long it has come no farther, s, and before what it stands.
+    stood_s: f64,
+    before: Option<usize>,
+    /// It goes back before it has stood for so long, s; what is left of that, m; and then stands for so long, s.
+    back_at_s: f64,
+    back_m: f64,
+    hold_s: f64,
+}
+
 /// Drives straight to a stop, and stands while something that moves is in the way.
 fn straight(scene: &Scene, stop: usize, course: &mut Course, crowd: &mut Crowd) -> Result<(), SceneError> {
     let (from, to, robot) = (course.at_m(), scene.waypoint_of(stop).at_m, scene.robot);
     let length_m = distance(from, to);
-    let direction = minus(to, from).map(|v| v / length_m);
-    let (mut gone_m, mut stood_s) = (0.0, 0.0);
-    while length_m - gone_m > THERE_M {
-        let left_m = length_m - gone_m;
+    let mut leg = Leg {
+        direction: minus(to, from).map(|v| v / length_m),
+        length_m,
+        gone_m: 0.0,
+        farthest_m: 0.0,
+        stood_s: 0.0,
+        before: None,
+        back_at_s: BACK_AFTER_S,
+        back_m: 0.0,
+        hold_s: 0.0,
+    };
+    while length_m - leg.gone_m > THERE_M {
         let now_s = course.time_s();
-        let next_s = (now_s + (left_m / robot.speed_m_s).min(STEP_S)).min(course.due_s().max(now_s));
-        let wish_m = (robot.speed_m_s * (next_s - now_s)).min(left_m);
-        crowd.expect(Some(direction), left_m, stood_s);
-        let (moved_m, who) = crowd.drive(direction, wish_m);
-        gone_m += moved_m;
-        let at = if length_m - gone_m > THERE_M { [0, 1].map(|k| from[k] + gone_m * direction[k]) } else { to };
+        let left_s = (length_m - leg.gone_m) / robot.speed_m_s;
+        let next_s = (now_s + left_s.min(STEP_S)).min(course.due_s().max(now_s));
+        let touched = leg.step(next_s - now_s, robot.speed_m_s, scene.movers.len(), crowd);
+        let on = length_m - leg.gone_m > THERE_M;
+        let at = if on { [0, 1].map(|k| from[k] + leg.gone_m * leg.direction[k]) } else { to };
         crowd.put(at);
-        if let Some(Who::Obstacle(obstacle)) = who {
+        if let Some(obstacle) = touched {
             return Err(blocked(scene, stop, &Touch { at, obstacle }));
         }
         crowd.until(next_s);
         course.move_on(next_s, at, crowd);
-        stood_s = if moved_m > STANDS_M.min(0.5 * wish_m) { 0.0 } else { stood_s + (next_s - now_s) };
-        if let Some(Who::Thing(thing)) = who.filter(|_| stood_s > robot.patience_s) {
+        if let Some(thing) = leg.before.filter(|_| leg.stood_s > robot.patience_s) {
             return Err(jammed(scene, stop, at, thing));
         }
         refuse_endless(scene, course)?;
     }
     Ok(())
+}
+
+impl Leg {
+    /// A step of `dt_s`: on, or back from people who find no way past, or none. An obstacle that it touches on its way on.
+    fn step(&mut self, dt_s: f64, speed_m_s: f64, people: usize, crowd: &mut Crowd) -> Option<usize> {
+        self.stood_s += dt_s;
+        if self.back_m > 0.0 {
+            crowd.expect(None, 0.0, 0.0);
+            let (moved_m, who) = crowd.drive(self.direction.map(|v| -v), (speed_m_s * dt_s).min(self.back_m));
+            self.gone_m -= moved_m;
+            self.back_m = if who.is_some() { 0.0 } else { self.back_m - moved_m };
+            return None;
+        }
+        if self.hold_s > 0.0 {
+            crowd.expect(None, 0.0, 0.0);
+            self.hold_s -= dt_s;
+            return None;
+        }
+        let left_m = self.length_m - self.gone_m;
+        crowd.expect(Some(self.direction), left_m, self.stood_s);
+        let wish_m = (speed_m_s * dt_s).min(left_m);
+        let (moved_m, who) = crowd.drive(self.direction, wish_m);
+        self.gone_m += moved_m;
+        if self.gone_m > self.farthest_m + STANDS_M.min(0.5 * wish_m) {
+            (self.farthest_m, self.stood_s, self.before, self.back_at_s) = (self.gone_m, 0.0, None, BACK_AFTER_S);
+        }
+        match who {
+            Some(Who::Obstacle(obstacle)) => return Some(obstacle),
+            Some(Who::Thing(thing)) => {
+                self.before = Some(thing);
+                if thing < people && self.stood_s > self.back_at_s {
+                    // Farther every time.
+                    let times = libm::floor(self.stood_s / BACK_AFTER_S);
+                    (self.back_m, self.hold_s) = ((BACK_M * times).min(self.gone_m), HOLD_S);
+                    self.back_at_s = self.stood_s + BACK_AFTER_S;
+                }
+            }
+            Some(Who::Robot) | None => {}
+        }
+        None
+    }
 }
 
 /// Waiting can make a drive longer than its route told.

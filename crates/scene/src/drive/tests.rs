@@ -131,3 +131,61 @@ fn the_robot_never_stands_in_an_occupied_cell() {
         }
     }
 }
+
+#[test]
+fn the_robot_stands_where_a_stop_says_so_and_scans() {
+    let standing = ROUTE.replace(
+        "[\"A\", \"B\", \"C\", \"A\"]\n[[stage]]\nname = \"corner\"",
+        "[{ at = \"A\", wait_s = 1.1 }, { at = \"B\", wait_s = 10.0 }, \"C\", \"A\"]\n[[stage]]\nname = \"corner\"",
+    );
+    let (still, moving) = (drive(&scene(&standing)).expect("free"), drive(&scene(ROUTE)).expect("free"));
+    let at =
+        |drive: &Drive, at: [f64; 2]| drive.poses.iter().filter(|p| distance(p.pose.position_m(), at) < 1e-9).count();
+    // At A at 0, 0.25 .. 1 s, and when it comes back; at B, after 6 s, from 7.25 s on and 16.9 s at the latest, when the stage ends.
+    assert_eq!((at(&moving, [1.0, 1.0]), at(&still, [1.0, 1.0])), (2, 6));
+    let corner = still.stage_ends[0].1;
+    assert!((still.poses[corner - 1].time_s - 17.1).abs() < 1e-9, "the stage ends when it has stood there");
+    assert_eq!(still.poses[corner - 1].pose, still.poses[corner - 20].pose);
+    let [last, other] = [&still, &moving].map(|drive| drive.poses[drive.poses.len() - 1].time_s);
+    assert!((last - other - 11.1).abs() < 1e-9, "{last} {other}");
+}
+
+#[test]
+fn a_drive_among_people_ends_within_hours() {
+    let walker = "[[mover]]\nradius = 0.2\nroute = [[2.0, 2.5]]\n[robot]\nscan_interval = 30.0\n";
+    let text = format!("{ROOM}{ROUTE}{walker}")
+        .replace(
+            "[\"A\", \"B\", \"C\", \"A\"]\n[[stage]]\nname = \"corner\"",
+            "[{ at = \"A\", wait_s = 36000.0 }, \"B\", \"C\", \"A\"]\n[[stage]]\nname = \"corner\"",
+        )
+        .replace("robot = { radius = 0.2, speed = 0.5, turn_rate_deg = 30.0, scan_interval = 0.25 }\n", "");
+    let scene = Scene::parse(&text, Path::new("test.toml"), None).expect("a valid scene");
+    let expected = "[route]: the drive takes more than 36000 s: must be at most that where something moves; drive faster, or wait for less long";
+    let message = drive(&scene).expect_err("too long").to_string();
+    assert!(message.ends_with(expected), "{message}");
+}
+
+/// A chair in a corner, far from everybody's way.
+const FAR_CHAIR: &str = "[[chair]]\ncenter = [0.3, 3.7]\nradius = 0.1\nmoves = [{ at_s = 5.0, to_m = [0.3, 3.4] }]\n";
+
+#[test]
+fn what_moves_far_away_changes_no_drive() {
+    let alone = drive(&scene(ROUTE)).expect("a free way");
+    let among = drive(&scene(&format!("{ROUTE}{FAR_CHAIR}"))).expect("a free way");
+    assert_eq!((alone.poses.len(), &alone.stage_ends), (among.poses.len(), &among.stage_ends));
+    for (a, b) in alone.poses.iter().zip(&among.poses) {
+        assert!((a.time_s - b.time_s).abs() < 1e-6, "{} {}", a.time_s, b.time_s);
+        assert!(distance(a.pose.position_m(), b.pose.position_m()) < 1e-4, "{a:?} {b:?}");
+        assert!((a.pose.theta_rad - b.pose.theta_rad).abs() < 1e-6, "{a:?} {b:?}");
+    }
+    assert!(alone.motion.is_empty() && alone.motion.shapes_at(0).next().is_none());
+    assert_eq!((among.motion.len(), among.motion.names().next()), (1, Some("chair 1 (line 15)".to_owned())));
+}
+
+#[test]
+fn obstacles_block_a_drive_among_things_as_they_block_any() {
+    for (obstacle, _) in IN_THE_WAY {
+        let alone = refusal(&format!("{ROUTE}{obstacle}"));
+        assert_eq!(alone, refusal(&format!("{ROUTE}{obstacle}{FAR_CHAIR}")));
+    }
+}

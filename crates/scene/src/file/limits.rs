@@ -63,7 +63,7 @@ pub const FOLLOWING: Limit =
 /// How far a loiterer strays, m.
 pub const STRAYING: Limit = limit(0.01, 100.0, "a length in m, 0.01 to 100", "give how far it strays, such as 1");
 /// Length of a door's leaf, m.
-pub const LEAF: Limit = limit(0.05, 20.0, "a length in m, 0.05 to 20", "give the length of the leaf, such as 0.9");
+pub const LEAF: Limit = limit(0.05, 5.0, "a length in m, 0.05 to 5", "give the length of the leaf, such as 0.9");
 /// Thickness of a door's leaf, m.
 pub const LEAF_THICKNESS: Limit =
     limit(0.001, 1.0, "a length in m, 0.001 to 1", "give the thickness of the leaf, such as 0.04");

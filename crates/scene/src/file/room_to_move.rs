@@ -118,7 +118,7 @@ fn apart(scene: &Scene, tables: Vec<(String, Place)>, found: &mut Findings) {
     let doors = scene.doors.iter().map(|d| (d.leaf(d.angle_at_start(scene.motion_seed)), d.origin.to_string()));
     let chairs = scene.chairs.iter().map(|c| (c.shape.clone(), c.origin.to_string()));
     for ((shape, name), (element, place)) in movers.chain(doors).chain(chairs).zip(tables) {
-        for (other, other_name) in &placed {
+        for (other, other_name) in placed.iter().filter(|(other, _)| near(&shape, other)) {
             let distance_m = gap::between(&shape, other);
             if distance_m < CLEARANCE_M {
                 found.add(touches(element, "starts", other_name.clone(), distance_m, place));
@@ -127,4 +127,10 @@ fn apart(scene: &Scene, tables: Vec<(String, Place)>, found: &mut Findings) {
         }
         placed.push((shape, name));
     }
+}
+
+/// Whether two shapes may be nearer to each other than the clearance, by their extents.
+fn near(a: &Shape, b: &Shape) -> bool {
+    let (a, b) = (a.extent_m(), b.extent_m());
+    (0..2).all(|k| a[0][k] - b[1][k] < CLEARANCE_M && b[0][k] - a[1][k] < CLEARANCE_M)
 }

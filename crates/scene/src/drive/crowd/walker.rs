@@ -95,6 +95,12 @@ impl<'a> Walker<'a> {
             self.go(self.flight.map_or(aside, |(way, _)| way), most_m, room);
             return;
         }
+        if self.crowds(robot, dt_s) {
+            let (way, free_m) = self.way_out(room);
+            self.flight = Some((way, time_s + free_m / self.mover.speed_m_s));
+            self.go(way, most_m, room);
+            return;
+        }
         let Some(goal_m) = self.goal(time_s, trail, room) else {
             self.stuck_s = 0.0;
             return;

@@ -4,19 +4,30 @@ use rand::RngExt as _;
 
 use super::super::room::{Among, Room};
 use super::super::{BEFORE_PEOPLE_M, Passing};
-use super::Walker;
 use super::goal::{BACK_M, THERE_M};
-use crate::geometry::{cross, dot, minus};
+use super::{ROBOT_WAITS_S, Walker};
+use crate::geometry::{cross, distance, dot, minus};
 
 /// What walkers leave between themselves and the way of the robot, m, and how far ahead of it they leave it, m.
 const ASIDE_M: f64 = 0.15;
 const BEFORE_ROBOT_M: f64 = 1.5;
+
+/// When the robot waits, people as near to it as this, m, leave one after the other, each within about so long, s: who is in its way
+/// may have no other way out.
+const CROWD_M: f64 = 1.5;
+const CROWD_S: f64 = 3.0;
 
 /// Ways that one looks at who leaves like that, and how far it looks, m.
 const WAYS_OUT: u32 = 12;
 const OUT_M: f64 = 2.0;
 
 impl Walker<'_> {
+    /// Whether it leaves now, within a step of `dt_s`, to make room around a robot that waits.
+    pub(super) fn crowds(&mut self, robot: &Passing, dt_s: f64) -> bool {
+        let near = distance(self.at_m, robot.at_m) < robot.radius_m + self.reach_m + CROWD_M;
+        near && robot.direction.is_some() && robot.waits_s > ROBOT_WAITS_S && self.rng.random::<f64>() < dt_s / CROWD_S
+    }
+
     /// A way out of the robot's, if it stands or walks in that.
     pub(super) fn aside(&self, robot: &Passing, room: &Room) -> Option<[f64; 2]> {
         let heading = robot.direction?;
