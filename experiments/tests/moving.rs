@@ -229,7 +229,7 @@ fn sweeps_have_the_metrics_of_worlds_that_move_where_they_ask_for_such_regions()
     assert_eq!(rows.len(), 2 * 4, "{table}");
     for row in &rows {
         assert_eq!(
-            (&row[trail] != "", &row[lag] != ""),
+            (!row[trail].is_empty(), !row[lag].is_empty()),
             (&row[region] == "swept", &row[region] == "changed"),
             "{row:?}"
         );

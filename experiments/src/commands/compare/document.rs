@@ -124,7 +124,7 @@ pub fn page(
     Ok(Page {
         answer: answer(plan, rows),
         title: format!("Mappers compared, {} set", plan.set.name()),
-        lead: plan.set.about().to_owned(),
+        lead: plan.about(),
         facts: facts(plan),
         claims: claims::of_record(record),
         viewer: Some(viewer),
@@ -142,7 +142,7 @@ fn facts(plan: &Plan) -> String {
 
 /// The same as Markdown: claims, tables, and the pictures by name.
 pub fn markdown(plan: &Plan, claims: &[Claim], sections: &[Section]) -> String {
-    let mut text = format!("# Mappers compared, {} set\n\n{}\n\n{}\n", plan.set.name(), plan.set.about(), facts(plan));
+    let mut text = format!("# Mappers compared, {} set\n\n{}\n\n{}\n", plan.set.name(), plan.about(), facts(plan));
     if !claims.is_empty() {
         text += "\n| claim | measured | |\n|---|---|---|\n";
     }

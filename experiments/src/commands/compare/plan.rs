@@ -10,7 +10,7 @@ use super::options::{CompareOptions, Worlds};
 use super::world::WorldJob;
 use crate::failure::Failure;
 use crate::programs::options::ProgramRecord;
-use crate::worlds::condition::{AS_BELIEVED, Condition, DEPARTURES, departures};
+use crate::worlds::condition::{AS_BELIEVED, Condition, DEPARTURES, PEOPLE, departures};
 use crate::worlds::drives::DriveOptions;
 use crate::worlds::mappers::{entries, own};
 use crate::worlds::run::Driven;
@@ -156,6 +156,16 @@ impl Plan {
             1 => self.families.iter().map(|family| family.name.as_str()).collect(),
             _ => self.conditions.clone(),
         }
+    }
+
+    /// What the worlds are for, in a sentence or two.
+    pub fn about(&self) -> String {
+        let people = self.conditions.contains(&PEOPLE.name);
+        format!(
+            "{}{}",
+            self.set.about(),
+            if people { " Under the condition people they are not at rest: people walk about." } else { "" }
+        )
     }
 
     /// One line on what is compared.

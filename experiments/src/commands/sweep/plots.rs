@@ -165,6 +165,23 @@ impl Means {
     }
 }
 
+/// What a parameter is called beside a chart.
+fn named(key: &str) -> String {
+    match key {
+        "grid" => "cell size".to_owned(),
+        "max_range" => "readings used up to".to_owned(),
+        "assumed_length" => "assumed length of obstacles".to_owned(),
+        "people_per_100_m2" => "people per 100 m²".to_owned(),
+        "people_speed_m_s" => "speed of people".to_owned(),
+        _ => key.replace('_', " "),
+    }
+}
+
+/// What a parameter is called in the name of a line, where there is less room.
+fn line_of(key: &str) -> String {
+    if key.starts_with("people") { named(key) } else { key.replace('_', " ") }
+}
+
 /// What stands along the axis.
 struct Along {
     /// Quantity and unit.
@@ -222,13 +239,7 @@ fn numbers(text: &str) -> Vec<f64> {
 
 /// A parameter with its unit.
 fn along(key: &str) -> Along {
-    let named = match key {
-        "grid" => "cell size",
-        "max_range" => "readings used up to",
-        "assumed_length" => "assumed length of obstacles",
-        _ => "",
-    };
-    let name = if named.is_empty() { key.replace('_', " ") } else { named.to_owned() };
+    let name = named(key);
     let unit = parameters::parameter(key).and_then(unit).map_or_else(String::new, |unit| format!(", {unit}"));
     Along { label: name + &unit, all: (key == "max_range").then_some(parameters::ALL_READINGS_M) }
 }
@@ -255,7 +266,7 @@ fn read(path: &Path) -> Result<Option<Means>, Failure> {
     let words: Vec<&String> = of_numbers(false).collect();
     let mut means = Means {
         axis: axis.clone(),
-        line: lines.iter().map(|key| key.replace('_', " ")).collect::<Vec<_>>().join(", "),
+        line: lines.iter().map(|key| line_of(key)).collect::<Vec<_>>().join(", "),
         values: BTreeMap::new(),
         mappers: BTreeSet::new(),
         rows: BTreeSet::new(),
