@@ -4,6 +4,7 @@ mod help;
 
 use std::path::Path;
 use std::process::ExitCode;
+use std::time::Instant;
 
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
@@ -30,8 +31,9 @@ use crate::commands::tune::{self, TuneOptions};
 use crate::exit;
 use crate::failure::Failure;
 use crate::jobs::memory;
-use crate::output::args::Given;
-use crate::output::table;
+use crate::output::args::{Given, LoudnessOptions};
+use crate::output::loudness::{self, Loudness};
+use crate::output::{detail, table};
 use crate::programs::watcher;
 use crate::worlds::scenes::SceneOptions;
 use crate::worlds::shipped;
@@ -52,6 +54,9 @@ const WIDEST: usize = 100;
                   75 interrupted, run again to go on, 130 Ctrl-C."
 )]
 struct Cli {
+    /// How much is said on stderr
+    #[command(flatten)]
+    loudness: LoudnessOptions,
     /// What to run.
     #[command(subcommand)]
     command: Command,
@@ -116,14 +121,22 @@ pub fn main() -> ExitCode {
     }
     strict::bring(shipped::FILES);
     let matches = help::grouped(command(), table::width().unwrap_or(WIDEST).min(WIDEST)).get_matches();
-    let mut command = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit()).command;
+    let Cli { loudness, mut command } = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    match loudness {
+        LoudnessOptions { quiet: true, .. } => loudness::set(Loudness::Quiet),
+        LoudnessOptions { verbose: true, .. } => loudness::set(Loudness::Verbose),
+        LoudnessOptions { .. } => {}
+    }
     let given = matches.subcommand().map(|(_, options)| Given::of(options)).unwrap_or_default();
     match &mut command {
         Command::Replay(options) => options.given = given,
         Command::Calibrate(options) => options.given = given,
         _ => {}
     }
-    exit::code(memory::guarded(|| run(command)))
+    let start = Instant::now();
+    let code = exit::code(memory::guarded(|| run(command)));
+    detail(format_args!("{:.2} s in all", start.elapsed().as_secs_f64()));
+    code
 }
 
 /// The command line, by the name that it was started by.

@@ -9,8 +9,11 @@ use sensor::{Laser, SensorModel, Stereo};
 
 use crate::failure::Failure;
 use crate::figures::Paper;
-use crate::output::args::{FormatOption, Given, PriorOptions, ThreadsOption, count, positive, probability, trimmed};
+use crate::output::args::{
+    FormatOption, Given, OpenOption, PriorOptions, ThreadsOption, count, positive, probability, trimmed,
+};
 use crate::output::folder;
+use crate::output::ranked::SortOption;
 use crate::programs::options::ProgramOptions;
 use crate::worlds::agreement::Spread;
 use crate::worlds::reading::{self, FanArgs};
@@ -100,6 +103,12 @@ pub struct ReplayOptions {
     /// How the table is printed
     #[command(flatten)]
     pub print: FormatOption,
+    /// How rows are ordered
+    #[command(flatten)]
+    pub order: SortOption,
+    /// Whether the page is shown
+    #[command(flatten)]
+    pub open: OpenOption,
     /// How many threads work
     #[command(flatten)]
     pub threads: ThreadsOption,

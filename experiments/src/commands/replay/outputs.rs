@@ -7,7 +7,7 @@ use grid::Raster;
 use logs::{Report, Sensor};
 use mapper::catalogue::Entry;
 use mapper::{Belief, Model};
-use score::SeriesMean;
+use score::{Better, SeriesMean};
 use serde_json::{Value, json};
 
 use super::extent::Survey;
@@ -21,8 +21,9 @@ use crate::failure::Failure;
 use crate::output;
 use crate::output::folder::Staging;
 use crate::output::ledger::RECORD;
+use crate::output::ranked::{Head, SortOption, legend};
 use crate::output::record::Record;
-use crate::output::table::{self, Table};
+use crate::output::table::Table;
 use crate::page::{self, Page, Part, Picture, Section, Sheet, Viewer};
 use crate::worlds::reading;
 
@@ -285,12 +286,22 @@ pub(super) fn text(told: &Told) -> String {
         );
     }
     text.push('\n');
-    text += &scores(predictions);
+    text += &scores(predictions, &told.options.order);
     text
 }
 
+/// The heads of the scores, where maps are recalibrated or not. What a map predicts as it is has one name in both.
+pub(super) fn heads(is_fair: bool) -> Vec<Head<'static>> {
+    let loss = |title, name| [Head::of(title, name, Better::Lower), Head::plain("95 % interval")];
+    let scores = match is_fair {
+        true => [loss("recalibrated", "recalibrated_log_loss"), loss("plain", "predictive_log_loss")].concat(),
+        false => loss("nats/reading", "predictive_log_loss").to_vec(),
+    };
+    std::iter::once(Head::plain("mapper")).chain(scores).collect()
+}
+
 /// The scores as the terminal shows them.
-fn scores(predictions: &Predictions) -> String {
+fn scores(predictions: &Predictions, order: &SortOption) -> String {
     let baseline = &predictions.rows[predictions.baseline].name;
     let mean = |loss: SeriesMean| [format!("{:.3}", loss.mean), ends(loss.interval)];
     let is_fair = predictions.rows.iter().any(|row| row.fair.is_some());
@@ -299,11 +310,12 @@ fn scores(predictions: &Predictions) -> String {
         let fair = fair.into_iter().filter(|_| is_fair);
         [row.name.clone()].into_iter().chain(fair).chain(mean(row.plain.mean)).collect::<Vec<_>>()
     };
-    let heads: &[&str] = match is_fair {
-        true => &["mapper", "recalibrated", "95 % interval", "plain", "95 % interval"],
-        false => &["mapper", "nats/reading", "95 % interval"],
-    };
-    let mut text = table::aligned(heads, &predictions.rows.iter().map(loss).collect::<Vec<_>>());
+    let heads = heads(is_fair);
+    // What is asked for by the head that stands where maps are recalibrated, or where they are not.
+    let absent: &[&str] = if is_fair { &["nats/reading"] } else { &["plain", "recalibrated", "recalibrated_log_loss"] };
+    let order = &order.renamed(absent, "predictive_log_loss");
+    let mut text = order.ranked(&heads, &predictions.rows.iter().map(loss).collect::<Vec<_>>());
+    text += legend(&text);
     let difference = |row: &Prediction| {
         let loss = match &row.fair {
             Some(fair) => &fair.loss,
@@ -315,8 +327,11 @@ fn scores(predictions: &Predictions) -> String {
     };
     let differences: Vec<_> = predictions.others().filter_map(difference).collect();
     if !differences.is_empty() {
-        let heads = ["mapper", &format!("minus {baseline}"), "95 % interval", ""];
-        text += &format!("\n{}", table::aligned(&heads, &differences));
+        // In the order of what is subtracted from.
+        let minus = format!("minus {baseline}");
+        let minus = Head { title: &minus, name: heads[1].name, judged: None };
+        let heads = [Head::plain("mapper"), minus, Head::plain("95 % interval"), Head::plain("")];
+        text += &format!("\n{}", order.ranked(&heads, &differences));
     }
     let _ = write!(
         text,

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use score::Summary;
 use score::navigation::Planning;
 
-use crate::output::table::aligned;
+use crate::output::ranked::{Head, SortOption, legend};
 use crate::worlds::claims::{self, Claim};
 use crate::worlds::drives;
 use crate::worlds::run::{Ground, Stage, Trial};
@@ -42,8 +42,29 @@ const DRIVES: [Column; 5] = [
 const FOOTPRINTS: [Column; 3] =
     [("reached", "footprint_reached", 3), ("colliding", "footprint_colliding", 3), ("detour", "footprint_detour", 3)];
 
+/// The heads of a table.
+fn heads_of(columns: &[Column]) -> Vec<Head<'static>> {
+    std::iter::once(Head::plain("mapper"))
+        .chain(columns.iter().map(|(title, metric, _)| Head::metric(title, metric)))
+        .collect()
+}
+
+/// The heads of all tables that are printed of a place.
+pub(super) fn heads(ground: &Ground) -> Vec<Head<'static>> {
+    let driven: &[&[Column]] = if ground.planning.pairs > 0 { &[&DRIVES, &FOOTPRINTS] } else { &[] };
+    let regions: &[&[Column]] = if ground.scene.regions.is_empty() { &[] } else { &[&REGION] };
+    let shown = std::iter::once(&OBSERVABLE[..]).chain(driven.iter().copied()).chain(regions.iter().copied());
+    shown.flat_map(heads_of).collect()
+}
+
 /// Tables of the last stage over what was observable and in every named region, then the claims.
-pub(super) fn text(ground: &Ground, trials: &[Trial], stages: &[Stage], claims: &[Claim]) -> String {
+pub(super) fn text(
+    ground: &Ground,
+    trials: &[Trial],
+    stages: &[Stage],
+    claims: &[Claim],
+    order: &SortOption,
+) -> String {
     let mut text = String::new();
     let (Some(stage), Some(first)) = (stages.last(), trials.first()) else { return text };
     let last = stages.len() - 1;
@@ -64,7 +85,6 @@ pub(super) fn text(ground: &Ground, trials: &[Trial], stages: &[Stage], claims: 
     );
     let mut section = |title: &str, region: &str, columns: &[Column]| {
         let _ = writeln!(text, "Stage {}, {}: {title}", stage.name, stage.label);
-        let heads: Vec<&str> = ["mapper"].into_iter().chain(columns.iter().map(|c| c.0)).collect();
         let mut rows: Vec<Vec<String>> = Vec::new();
         for run in &first.runs {
             let cells = columns.iter().map(|(_, metric, decimals)| {
@@ -77,7 +97,7 @@ pub(super) fn text(ground: &Ground, trials: &[Trial], stages: &[Stage], claims: 
                 rows.push([String::new()].into_iter().chain(deviations).collect());
             }
         }
-        let _ = writeln!(text, "{}", aligned(&heads, &rows));
+        let _ = writeln!(text, "{}", order.ranked(&heads_of(columns), &rows));
     };
     section("all that could be seen (areas in m²)", "observable", &OBSERVABLE);
     if ground.planning.pairs > 0 {
@@ -87,7 +107,11 @@ pub(super) fn text(ground: &Ground, trials: &[Trial], stages: &[Stage], claims: 
     for region in &ground.scene.regions {
         section(&format!("free cells of region {}", region.name), &region.name, &REGION);
     }
-    text + &claims::lines(claims)
+    let marks = match legend(&text) {
+        "" => String::new(),
+        marks => format!("{marks}\n"),
+    };
+    text + &marks + &claims::lines(claims)
 }
 
 /// What is driven, in words.

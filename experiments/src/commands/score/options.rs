@@ -8,6 +8,7 @@ use score::Finer;
 
 use crate::figures::Paper;
 use crate::output::args::{FormatOption, ThreadsOption, number, positive, probability};
+use crate::output::ranked::SortOption;
 use crate::worlds::drives::DriveOptions;
 use crate::worlds::map_file::{Origin, RowOrder, Shading, origin, side};
 use crate::worlds::scenes::scene;
@@ -73,6 +74,12 @@ pub struct ScoreOptions {
     /// How the table is printed
     #[command(flatten)]
     pub print: FormatOption,
+    /// How rows are ordered
+    #[command(flatten)]
+    pub order: SortOption,
+    /// Show the page in the browser when it is written
+    #[arg(long, requires = "out")]
+    pub open: bool,
     /// How many threads work
     #[command(flatten)]
     pub threads: ThreadsOption,

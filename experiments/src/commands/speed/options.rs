@@ -8,6 +8,7 @@ use super::scans::Kernel;
 use super::world::Known;
 use crate::figures::Paper;
 use crate::output::args::{FormatOption, count, positive, trimmed};
+use crate::output::ranked::SortOption;
 use crate::programs::options::ProgramOptions;
 
 /// Mappers that are measured where none are named: those that a robot would run, side by side with the ablations.
@@ -55,6 +56,9 @@ pub struct SpeedOptions {
     /// How the table is printed
     #[command(flatten)]
     pub print: FormatOption,
+    /// How rows are ordered
+    #[command(flatten)]
+    pub order: SortOption,
 }
 
 const FORM: &str = "\
