@@ -9,7 +9,7 @@ use std::time::Instant;
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
 use crate::commands::calibrate::{self, CalibrateOptions};
-use crate::commands::check::{self, CheckOptions};
+use crate::commands::check::{self, CheckOptions, Readers};
 use crate::commands::compare::{self, CompareOptions};
 use crate::commands::completions::{self, CompletionsOptions};
 use crate::commands::convert::{self, ConvertOptions};
@@ -91,7 +91,7 @@ enum Command {
     Report(ReportOptions),
     /// Convert a map between ROS YAML and image, NPY and PNG, cell by cell
     Convert(ConvertOptions),
-    /// Check a scene file and say what it holds, without mapping anything
+    /// Check a scene, family, sweep or gates and say what the file holds, without mapping anything
     Check(CheckOptions),
     /// Make a scene file: a new one, or from a family of scenes, a robot's map or a floor plan
     #[command(subcommand)]
@@ -161,7 +161,7 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Calibrate(options) => calibrate::run(&options),
         Command::Report(options) => report::run(&options, &PAGES),
         Command::Convert(options) => convert::run(&options),
-        Command::Check(options) => check::run(&options),
+        Command::Check(options) => check::run(&options, &Readers { sweep: sweep::held, gate: gate::held }),
         Command::Scene(command) => scene::run(&command),
         Command::Estimate(options) => estimate::run(&options),
         Command::Schema(options) => schema::run(&options, &Schemas { sweep: sweep::schema, gate: gate::schema }),

@@ -632,3 +632,94 @@ fn the_browser_is_told_the_page() {
     let expected = place.path().join("o/report.html").canonicalize().expect("written");
     assert_eq!(Path::new(page.trim_end()), expected);
 }
+
+#[test]
+fn every_mistake_of_a_sweep_is_reported_by_check_and_where_it_is_read() {
+    let place = Place::new();
+    let sweep = r#"mapers = ["prior"]
+families = ["clutter", "clutter"]
+scene = "closet.toml"
+regions = ["observable", "everywhere"]
+[seeds]
+count = 0
+[set]
+prior = 2.0
+grid = 0.1
+[vary]
+grid = [0.1, -1.0, 0.1]
+correlation = { from = 0.5, to = 0.1, steps = 4 }
+[paired]
+disparity_sigma = [0.5, 1.0]
+believed_sigma = [0.5, 0.6, 0.7]
+"#;
+    fs::write(place.path().join("bad.toml"), sweep).expect("writable");
+    let (_, checked) = place.expect(2, &["check", "bad"]);
+    insta::assert_snapshot!(checked);
+    assert_eq!(place.expect(2, &["sweep", "bad.toml", "--out", "o"]).1, checked);
+    assert!(!place.path().join("o").exists());
+
+    // What a sweep names is read too, and options that are about scenes are refused.
+    let sweep = "mappers = [\"prior\"]\nscenes = [\"closet.toml\", \"no.toml\", \"none.toml\"]\n";
+    fs::write(place.path().join("far.toml"), sweep).expect("writable");
+    let (_, err) = place.expect(2, &["check", "far.toml"]);
+    assert!(err.contains("error: no.toml: ") && err.contains("error: none.toml: "), "{err}");
+    assert!(place.expect(2, &["check", "cell-size", "--show"]).1.contains("--show: is about scenes"));
+    let (out, _) = place.expect(0, &["check", "cell-size"]);
+    assert!(out.starts_with("experiments/sweeps/cell-size.toml: valid\n") && out.contains("\njobs "), "{out}");
+}
+
+#[test]
+fn every_mistake_of_gates_is_reported_by_check_and_where_they_are_read() {
+    let place = Place::new();
+    let gates = r#"[[gate]]
+name = "a"
+mapper = "visibilty"
+metric = "log_loss"
+at_most = "much"
+[[gate]]
+name = "a"
+mapper = "prior"
+metric = "detour"
+region = "observable"
+better_than = "prior"
+by = -1.0
+seeds = 1
+[[gate]]
+nam = "c"
+mapper = "prior"
+metric = "brier"
+scene = "no.toml"
+set = "tuning"
+"#;
+    fs::write(place.path().join("bad.toml"), gates).expect("writable");
+    let (_, checked) = place.expect(2, &["check", "bad"]);
+    insta::assert_snapshot!(checked);
+    assert_eq!(place.expect(2, &["gate", "--gates", "bad.toml"]).1, checked);
+    let (out, _) = place.expect(0, &["check", "results/gates.toml"]);
+    assert!(out.starts_with("results/gates.toml: valid\n") && out.contains("\ngates with a baseline "), "{out}");
+}
+
+#[test]
+fn a_scene_is_drawn_into_a_file() {
+    let place = Place::new();
+    let (shown, _) = place.expect(0, &["check", "closet", "--show"]);
+    let (_, err) = place.expect(0, &["check", "closet", "--out", "a.txt"]);
+    assert_eq!(err, "a.txt\n");
+    let drawn = fs::read_to_string(place.path().join("a.txt")).expect("there");
+    assert!(drawn.contains('#') && shown.contains(&drawn), "{drawn}");
+    place.expect(0, &["check", "closet", "--show", "--out", "a.png"]);
+    place.expect(0, &["check", "closet", "--out", "a.svg"]);
+    let read = |name: &str| fs::read(place.path().join(name)).expect("there");
+    assert!(read("a.png").starts_with(b"\x89PNG") && read("a.svg").starts_with(b"<svg"));
+    place.expect(0, &["room", "--scene", "closet", "--mappers", "prior", "--out", "o"]);
+    assert_eq!(read("a.png"), read("o/scene.png"), "the picture of room");
+
+    fs::write(place.path().join("mine.png"), "mine").expect("writable");
+    let (_, err) = place.expect(2, &["check", "closet", "--out", "mine.png"]);
+    assert!(err.contains("--force"), "{err}");
+    place.expect(0, &["check", "closet", "--out", "mine.png", "--force"]);
+    assert_eq!(read("mine.png"), read("a.png"));
+    let (_, err) = place.expect(2, &["check", "closet", "--out", "a.gif"]);
+    assert!(err.contains("must end in .png, .svg, or .txt"), "{err}");
+    place.expect(2, &["check", "closet", "--out", "closet.toml"]);
+}

@@ -73,6 +73,14 @@ impl Paper {
         encode::png(&raster::pixels(drawing, scale)?, self.dpi)
     }
 
+    /// The drawing as SVG.
+    ///
+    /// # Errors
+    /// None but a defect.
+    pub fn svg(drawing: &Drawing) -> Result<String, Failure> {
+        svg::text(drawing, MM_PER_INCH / UNITS_PER_INCH)
+    }
+
     /// Writes the drawing as `name`, which ends in `.png`, and as SVG if asked to; gives the PNG.
     ///
     /// # Errors
@@ -81,7 +89,7 @@ impl Paper {
         let bytes = self.png(drawing)?;
         staging.write(name, |out| out.write_all(&bytes))?;
         if self.svg {
-            let text = svg::text(drawing, MM_PER_INCH / UNITS_PER_INCH)?;
+            let text = Self::svg(drawing)?;
             staging.write(&vector_name(name), |out| out.write_all(text.as_bytes()))?;
         }
         Ok(bytes)
