@@ -3,6 +3,7 @@
 use std::io::Write as _;
 
 use clap::Args;
+use serde::Serialize;
 
 use super::{Drawing, encode, raster, svg};
 use crate::failure::Failure;
@@ -18,7 +19,7 @@ const MM_PER_INCH: f64 = 25.4;
 const MOST_PIXELS: f64 = 1e8;
 
 /// How pictures are made.
-#[derive(Debug, Clone, Copy, PartialEq, Args)]
+#[derive(Debug, Clone, Copy, PartialEq, Args, Serialize)]
 #[command(next_help_heading = "Pictures")]
 pub struct Paper {
     /// Write every picture as SVG too, for print and for editing
@@ -44,6 +45,11 @@ impl Default for Paper {
 
 impl Paper {
     const DPI: u32 = 200;
+
+    /// What was asked for, as records hold it; nothing where nothing was.
+    pub fn asked(&self) -> Option<Self> {
+        (*self != Self::default()).then_some(*self)
+    }
 
     /// How wide a picture is to be, in units; `natural` where nothing was asked for.
     pub fn width(&self, natural: f64) -> f64 {

@@ -24,6 +24,9 @@ pub(super) type Shared = Arc<dyn SensorModel>;
 /// Mappers where none are named: those that a robot would run, and what knows nothing.
 const MAPPERS: &str = "visibility,conventional,log-odds-octomap,log-odds-cartographer,prior";
 
+/// Share of damaged lines above which a log is refused.
+pub(super) const DAMAGED_SHARE: f64 = 0.05;
+
 /// Options of `replay`.
 #[derive(Debug, Args)]
 #[command(after_long_help = FORMATS)]
@@ -80,7 +83,7 @@ pub struct ReplayOptions {
     #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = positive)]
     pub least_turn: Option<f64>,
     /// Share of damaged lines above which the log is refused
-    #[arg(long, value_name = "P", default_value_t = 0.05, allow_negative_numbers = true, value_parser = probability)]
+    #[arg(long, value_name = "P", default_value_t = DAMAGED_SHARE, allow_negative_numbers = true, value_parser = probability)]
     pub damaged_share: f64,
     /// Where the beams go
     #[command(flatten)]

@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 use super::extent::Survey;
 use super::figure;
 use super::mapping::Maps;
-use super::options::{LaserOptions, ReplayOptions, StereoOptions};
+use super::options::{Body, DAMAGED_SHARE, LaserOptions, ReplayOptions, StereoOptions};
 use super::predictions::{Prediction, Predictions};
 use super::recording::Recording;
 use super::viewed;
@@ -93,16 +93,20 @@ pub(super) fn write(staging: &mut Staging, recording: &Recording, told: &Told) -
             section("What is in the log", "", vec![Part::Sheet(Sheet::of("Counts", &counts(told)))]),
         ],
         configuration: serde_json::to_string_pretty(&configuration).map_err(Failure::internal)?,
-        command: page::command_line(
-            &json!({ "command": "replay", "configuration": configuration, "grid": told.setup.grid }),
-        ),
+        command: page::command_line(&json!({
+            "command": "replay", "configuration": configuration, "grid": told.setup.grid,
+            "pictures": told.options.paper.asked(),
+        })),
         files,
         ..Page::default()
     };
     let html = page::page(&page)?;
     staging.write("report.html", |out| out.write_all(html.as_bytes()))?;
     let findings = findings(told);
-    let parts = json!({ "configuration": configuration, "grid": told.setup.grid, "findings": findings });
+    let mut parts = json!({ "configuration": configuration, "grid": told.setup.grid, "findings": findings });
+    if let Some(pictures) = told.options.paper.asked() {
+        parts["pictures"] = json!(pictures);
+    }
     staging.record(&Record::new("replay", parts))
 }
 
@@ -185,7 +189,7 @@ fn configuration(told: &Told) -> Value {
             "max_disparity": max_disparity,
         }),
     };
-    json!({
+    let mut configuration = json!({
         "log": options.log.display().to_string(),
         "trajectory": options.trajectory.as_ref().and_then(|path| path.file_name()).map(|name| name.to_string_lossy()),
         "mappers": told.maps.maps.iter().map(|map| map.mapper).collect::<Vec<_>>(),
@@ -203,7 +207,23 @@ fn configuration(told: &Told) -> Value {
         "prior": setup.prior,
         "reconciliation": setup.reconciliation,
         "sensor": sensor,
-    })
+    });
+    // What is seldom asked for stands there where it was.
+    let rare = [
+        ("body", (options.body == Body::Robot).then(|| json!("robot"))),
+        ("given_max_range_m", options.max_range.map(|max_range_m| json!(max_range_m))),
+        ("given_reach_m", options.reach.map(|reach_m| json!(reach_m))),
+        (
+            "damaged_share",
+            (options.damaged_share.total_cmp(&DAMAGED_SHARE).is_ne()).then(|| json!(options.damaged_share)),
+        ),
+    ];
+    for (key, value) in rare {
+        if let Some(value) = value {
+            configuration[key] = value;
+        }
+    }
+    configuration
 }
 
 /// What is to be known of the log, and the largest steps in it.
