@@ -48,11 +48,11 @@ use crate::jobs::threads;
 use crate::output::args::Format;
 use crate::output::folder::{Purpose, Staging};
 use crate::output::note;
-use crate::output::ranked::Head;
 use crate::output::record::Record;
 use crate::programs::times;
 use crate::worlds::claims as claim;
 use crate::worlds::faults;
+use crate::worlds::ranked::Head;
 
 /// Runs the comparison, or the rest of one that was interrupted.
 ///

@@ -9,8 +9,8 @@ use serde_json::json;
 
 use crate::failure::Failure;
 use crate::output::args::{Format, FormatOption};
-use crate::output::ranked::SortOption;
 use crate::output::table::{Table, width, wrapped};
+use crate::worlds::ranked::SortOption;
 use crate::worlds::scenes::{SCENES, SWEEPS};
 
 /// Options of `list`.

@@ -2,7 +2,7 @@
 
 use anstyle::{AnsiColor, Style};
 
-use super::ranked::{BEST, is_marked};
+use super::marks::{BEST, is_marked};
 
 const BAD: Style = AnsiColor::Red.on_default().bold();
 const GOOD: Style = AnsiColor::Green.on_default();

@@ -17,10 +17,10 @@ use crate::failure::Failure;
 use crate::figures::Paper;
 use crate::output::args::{CutOption, Format, OpenOption, ThreadsOption};
 use crate::output::ledger::RECORD;
-use crate::output::ranked::SortOption;
 use crate::page::{self, Folder};
 use crate::programs::options::{ProgramOptions, ProgramRecord};
 use crate::worlds::drives::DriveOptions;
+use crate::worlds::ranked::SortOption;
 
 /// What the page of a comparison needs of its record.
 #[derive(Deserialize)]

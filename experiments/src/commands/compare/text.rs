@@ -7,9 +7,9 @@ use mapper::catalogue::Kind;
 use super::plan::Plan;
 use super::rows::Rows;
 use super::sheets::{self as sheet, ALL, OBSERVABLE, Width};
-use crate::output::ranked::{Head, SortOption, legend};
 use crate::page::Sheet;
 use crate::worlds::claims::{self, Claim};
+use crate::worlds::ranked::{Head, SortOption, legend};
 
 /// Means and differences over all worlds, differences part by part, claims.
 pub fn summary(plan: &Plan, rows: &Rows, claims: &[Claim], order: &SortOption) -> String {

@@ -13,9 +13,9 @@ use crate::output::args::{
     FormatOption, Given, OpenOption, PriorOptions, ThreadsOption, count, positive, probability, trimmed,
 };
 use crate::output::folder;
-use crate::output::ranked::SortOption;
 use crate::programs::options::ProgramOptions;
 use crate::worlds::agreement::Spread;
+use crate::worlds::ranked::SortOption;
 use crate::worlds::reading::{self, FanArgs};
 
 /// A sensor that mappers share.

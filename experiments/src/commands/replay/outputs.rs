@@ -21,10 +21,10 @@ use crate::failure::Failure;
 use crate::output;
 use crate::output::folder::Staging;
 use crate::output::ledger::RECORD;
-use crate::output::ranked::{Head, SortOption, legend};
 use crate::output::record::Record;
 use crate::output::table::Table;
 use crate::page::{self, Page, Part, Picture, Section, Sheet, Viewer};
+use crate::worlds::ranked::{Head, SortOption, legend};
 use crate::worlds::reading;
 
 /// All that there is to tell.

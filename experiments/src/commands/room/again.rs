@@ -14,10 +14,10 @@ use super::{document, outputs};
 use crate::failure::Failure;
 use crate::figures::Paper;
 use crate::output::args::{CutOption, Format, OpenOption, PriorOptions, ThreadsOption};
-use crate::output::ranked::SortOption;
 use crate::page::{self, Folder, ViewedWorld, Viewer};
 use crate::programs::options::{ProgramOptions, ProgramRecord};
 use crate::worlds::drives::DriveOptions;
+use crate::worlds::ranked::SortOption;
 use crate::worlds::run::Keep;
 
 /// What the page of a room needs of its record.

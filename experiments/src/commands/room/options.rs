@@ -6,9 +6,9 @@ use clap::Args;
 
 use crate::figures::Paper;
 use crate::output::args::{CutOption, Format, OpenOption, PriorOptions, ThreadsOption, count, positive, trimmed};
-use crate::output::ranked::SortOption;
 use crate::programs::options::ProgramOptions;
 use crate::worlds::drives::DriveOptions;
+use crate::worlds::ranked::SortOption;
 use crate::worlds::scenes::scene;
 
 /// A million maps in one run is a sweep, not a table with a spread.

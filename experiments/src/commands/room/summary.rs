@@ -5,9 +5,9 @@ use std::fmt::Write as _;
 use score::Summary;
 use score::navigation::Planning;
 
-use crate::output::ranked::{Head, SortOption, legend};
 use crate::worlds::claims::{self, Claim};
 use crate::worlds::drives;
+use crate::worlds::ranked::{Head, SortOption, legend};
 use crate::worlds::run::{Ground, Stage, Trial};
 
 /// A column of a summary table: heading, metric, decimals.

@@ -8,9 +8,9 @@ use score::Finer;
 
 use crate::figures::Paper;
 use crate::output::args::{FormatOption, ThreadsOption, number, positive, probability};
-use crate::output::ranked::SortOption;
 use crate::worlds::drives::DriveOptions;
 use crate::worlds::map_file::{Origin, RowOrder, Shading, origin, side};
+use crate::worlds::ranked::SortOption;
 use crate::worlds::scenes::scene;
 
 /// Options of `score`.

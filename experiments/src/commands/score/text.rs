@@ -9,10 +9,10 @@ use super::rows::{Difference, Row};
 use super::scored::Scored;
 use super::truth::Truth;
 use super::{alignment, driven};
-use crate::output::ranked::{Head, SortOption, legend};
 use crate::output::table::{width, wrapped};
 use crate::page::{Cell, Sheet};
 use crate::worlds::criteria::criterion;
+use crate::worlds::ranked::{Head, SortOption, legend};
 
 /// Columns of the terminal.
 fn columns() -> usize {

@@ -8,8 +8,8 @@ use super::scans::Kernel;
 use super::world::Known;
 use crate::figures::Paper;
 use crate::output::args::{FormatOption, count, positive, trimmed};
-use crate::output::ranked::SortOption;
 use crate::programs::options::ProgramOptions;
+use crate::worlds::ranked::SortOption;
 
 /// Mappers that are measured where none are named: those that a robot would run, side by side with the ablations.
 pub(super) const MAPPERS: &str =

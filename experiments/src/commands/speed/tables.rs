@@ -7,8 +7,8 @@ use serde_json::json;
 use super::measure::Speed;
 use super::scans::Visited;
 use super::world::Known;
-use crate::output::ranked::{Head, SortOption, legend};
 use crate::output::table::{Table, optional, rounded};
+use crate::worlds::ranked::{Head, SortOption, legend};
 
 /// What was mapped, on what.
 #[derive(Debug, Clone)]

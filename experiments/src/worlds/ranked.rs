@@ -6,16 +6,11 @@ use clap::Args;
 use mapper::catalogue::{self, Kind};
 use score::Better;
 
-use super::args::Format;
-use super::table::{Table, aligned, marked};
+use super::criteria::{CRITERIA, Criterion, criterion};
 use crate::failure::Failure;
-use crate::worlds::criteria::{CRITERIA, Criterion, criterion};
-
-/// The best of its column, and all that read the same.
-pub const BEST: char = '*';
-
-/// Worse than the best of its column by no more than the largest difference that does not matter.
-pub const EVEN: char = '=';
+use crate::output::args::Format;
+use crate::output::marks::{BEST, EVEN, is_marked, value};
+use crate::output::table::{Table, aligned, marked};
 
 /// What the marks of a text mean, where it has any; a line.
 pub fn legend(text: &str) -> &'static str {
@@ -25,11 +20,6 @@ pub fn legend(text: &str) -> &'static str {
         (true, false) => "* best of its column\n",
         (false, false) => "",
     }
-}
-
-/// Whether a word is a number with a mark behind it.
-pub fn is_marked(word: &str, mark: char) -> bool {
-    word.strip_suffix(mark).is_some_and(|number| value(number).is_some())
 }
 
 /// A column of numbers or words.
@@ -188,13 +178,6 @@ fn marks(rows: &[Vec<String>], column: usize, (better, margin): (Better, f64), a
         _ => ' ',
     };
     Some(values.iter().map(mark).collect())
-}
-
-/// The number that a cell shows: with a sign, commas between thousands, or `M` for millions.
-pub fn value(cell: &str) -> Option<f64> {
-    let (digits, scale) = cell.strip_suffix('M').map_or((cell, 1.0), |millions| (millions, 1e6));
-    let begins = digits.trim_start_matches(['+', '-']).starts_with(|c: char| c.is_ascii_digit());
-    digits.replace(',', "").parse::<f64>().ok().filter(|_| begins).map(|number| number * scale)
 }
 
 /// Which of two cells comes first: the better number, else the lesser; numbers before words, and what has no value last.
