@@ -9,6 +9,8 @@ use crate::model::Model;
 use crate::pairs::reconcile::Reconciliation;
 use crate::rules::continuous_ray::{ContinuousRay, ContinuousRays};
 use crate::rules::conventional::{Conventional, ConventionalRule};
+use crate::rules::decay::Decay;
+use crate::rules::dynamic_grid::DynamicGrid;
 use crate::rules::forward_em::ForwardEm;
 use crate::rules::hit_count::{HitCount, HitCounter};
 use crate::rules::log_odds::{ConstantIncrements, LogOdds};
@@ -142,6 +144,20 @@ pub const MAPPERS: &[Entry] = &[
         source: "Hess et al. 2016",
         kind: Kind::Online,
         build: &|model| Box::new(ConstantIncrements::new(model, LogOdds::CARTOGRAPHER.tuned(&model.tuning))),
+    },
+    Entry {
+        name: "log-odds-decay",
+        summary: "OctoMap's increments, forgotten exponentially: a world that moves",
+        source: "Hornung et al. 2013; Macenski et al. 2020",
+        kind: Kind::Online,
+        build: &|model| Box::new(Decay::STVL.mapper(model)),
+    },
+    Entry {
+        name: "dynamic-grid",
+        summary: "a hidden Markov chain in time in every cell, with fixed chances of change",
+        source: "Meyer-Delius et al. 2012, not learnt",
+        kind: Kind::Online,
+        build: &|model| Box::new(DynamicGrid::MINUTE.mapper(model)),
     },
     Entry {
         name: "hit-count-gmapping",
