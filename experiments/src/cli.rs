@@ -4,11 +4,12 @@ mod help;
 
 use std::path::Path;
 use std::process::ExitCode;
+use std::time::Instant;
 
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
 use crate::commands::calibrate::{self, CalibrateOptions};
-use crate::commands::check::{self, CheckOptions};
+use crate::commands::check::{self, CheckOptions, Readers};
 use crate::commands::compare::{self, CompareOptions};
 use crate::commands::completions::{self, CompletionsOptions};
 use crate::commands::convert::{self, ConvertOptions};
@@ -30,8 +31,9 @@ use crate::commands::tune::{self, TuneOptions};
 use crate::exit;
 use crate::failure::Failure;
 use crate::jobs::memory;
-use crate::output::args::Given;
-use crate::output::table;
+use crate::output::args::{Given, LoudnessOptions};
+use crate::output::loudness::{self, Loudness};
+use crate::output::{detail, table};
 use crate::programs::watcher;
 use crate::worlds::scenes::SceneOptions;
 use crate::worlds::shipped;
@@ -52,6 +54,9 @@ const WIDEST: usize = 100;
                   75 interrupted, run again to go on, 130 Ctrl-C."
 )]
 struct Cli {
+    /// How much is said on stderr
+    #[command(flatten)]
+    loudness: LoudnessOptions,
     /// What to run.
     #[command(subcommand)]
     command: Command,
@@ -86,7 +91,7 @@ enum Command {
     Report(ReportOptions),
     /// Convert a map between ROS YAML and image, NPY and PNG, cell by cell
     Convert(ConvertOptions),
-    /// Check a scene file and say what it holds, without mapping anything
+    /// Check a scene, family, sweep or gates and say what the file holds, without mapping anything
     Check(CheckOptions),
     /// Make a scene file: a new one, or from a family of scenes, a robot's map or a floor plan
     #[command(subcommand)]
@@ -116,14 +121,22 @@ pub fn main() -> ExitCode {
     }
     strict::bring(shipped::FILES);
     let matches = help::grouped(command(), table::width().unwrap_or(WIDEST).min(WIDEST)).get_matches();
-    let mut command = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit()).command;
+    let Cli { loudness, mut command } = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    match loudness {
+        LoudnessOptions { quiet: true, .. } => loudness::set(Loudness::Quiet),
+        LoudnessOptions { verbose: true, .. } => loudness::set(Loudness::Verbose),
+        LoudnessOptions { .. } => {}
+    }
     let given = matches.subcommand().map(|(_, options)| Given::of(options)).unwrap_or_default();
     match &mut command {
         Command::Replay(options) => options.given = given,
         Command::Calibrate(options) => options.given = given,
         _ => {}
     }
-    exit::code(memory::guarded(|| run(command)))
+    let start = Instant::now();
+    let code = exit::code(memory::guarded(|| run(command)));
+    detail(format_args!("{:.2} s in all", start.elapsed().as_secs_f64()));
+    code
 }
 
 /// The command line, by the name that it was started by.
@@ -148,7 +161,7 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Calibrate(options) => calibrate::run(&options),
         Command::Report(options) => report::run(&options, &PAGES),
         Command::Convert(options) => convert::run(&options),
-        Command::Check(options) => check::run(&options),
+        Command::Check(options) => check::run(&options, &Readers { sweep: sweep::held, gate: gate::held }),
         Command::Scene(command) => scene::run(&command),
         Command::Estimate(options) => estimate::run(&options),
         Command::Schema(options) => schema::run(&options, &Schemas { sweep: sweep::schema, gate: gate::schema }),

@@ -37,6 +37,31 @@ pub fn panic_text(panic: &(dyn Any + Send)) -> Option<&str> {
     panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied())
 }
 
+impl Failure {
+    /// One failure of several: a line each, in the order of the file.
+    pub fn of_all(mut errors: Vec<scene::SceneError>) -> Self {
+        errors.sort_by_key(|error| error.place().map(|place| (place.line, place.column)));
+        let all: Vec<Self> = errors.into_iter().map(Self::from).collect();
+        let lines = all.iter().map(ToString::to_string).collect::<Vec<_>>().join("\nerror: ");
+        match all.iter().any(|failure| matches!(failure, Self::Internal(_))) {
+            true => Self::Internal(lines),
+            false => Self::BadInput(lines),
+        }
+    }
+}
+
+impl From<Vec<scene::SceneError>> for Failure {
+    fn from(errors: Vec<scene::SceneError>) -> Self {
+        Self::of_all(errors)
+    }
+}
+
+impl From<Vec<strict::Error>> for Failure {
+    fn from(errors: Vec<strict::Error>) -> Self {
+        Self::of_all(errors.into_iter().map(scene::SceneError::from).collect())
+    }
+}
+
 impl From<strict::Error> for Failure {
     fn from(error: strict::Error) -> Self {
         scene::SceneError::from(error).into()

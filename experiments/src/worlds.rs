@@ -12,6 +12,7 @@ pub mod film;
 pub mod levels;
 pub mod map_file;
 pub mod mappers;
+pub mod ranked;
 pub mod reading;
 pub mod run;
 pub mod scenes;

@@ -541,3 +541,186 @@ fn a_new_scene_is_valid_and_is_not_written_over() {
         place.expect(2, &["scene", "new", bad]);
     }
 }
+
+#[test]
+fn tables_are_sorted_by_a_column_and_another_is_refused_before_any_work() {
+    let place = Place::new();
+    let args = ["room", "--scene", "closet.toml", "--out", "o", "--mappers", "prior,visibility,conventional", "--sort"];
+    let order = |column: &str| {
+        let (out, _) = place.expect(0, &[&args[..], &[column]].concat());
+        let first = out.split("\n\n").nth(1).expect("a table").lines().skip(3).map(str::to_owned);
+        first.collect::<Vec<_>>()
+    };
+    let number = |line: &String| -> f64 {
+        line.split_whitespace()
+            .nth(1)
+            .and_then(|cell| cell.trim_end_matches(['*', '=']).parse().ok())
+            .expect("a number")
+    };
+    let losses: Vec<f64> = order("log loss").iter().map(number).collect();
+    assert!(losses.len() == 3 && losses.is_sorted(), "{losses:?}");
+    assert_eq!(order("log_loss"), order("Log-Loss"));
+    assert!(order("log loss")[0].contains('*'), "the best has a mark");
+
+    let (_, err) = place.expect(2, &["room", "--scene", "closet.toml", "--out", "new", "--sort", "los"]);
+    assert!(err.starts_with("error: --sort los: must be a column of the tables printed: mapper, log loss,"), "{err}");
+    assert!(!place.path().join("new").exists());
+
+    let csv = |extra: &[&str]| place.expect(0, &[&args[..7], &["--format", "csv"], extra].concat()).0;
+    let (plain, sorted) = (csv(&[]), csv(&["--sort", "value"]));
+    assert!(!plain.contains(['*', '=']), "marks are for reading");
+    let lines = |text: &str| text.lines().map(str::to_owned).collect::<std::collections::BTreeSet<_>>();
+    assert_eq!(lines(&plain), lines(&sorted));
+    let values: Vec<f64> = sorted.lines().skip(1).filter_map(|line| line.split(',').nth(6)?.parse().ok()).collect();
+    assert!(values.len() > 100 && values.is_sorted());
+
+    let (names, _) = place.expect(0, &["list", "--format", "csv", "--sort", "name"]);
+    let mappers: Vec<&str> = names.lines().filter(|line| line.starts_with("mapper,")).collect();
+    assert!(mappers.len() > 20 && mappers.is_sorted());
+    place.expect(2, &["list", "--sort", "age"]);
+}
+
+#[test]
+fn quiet_leaves_warnings_and_errors_and_verbose_tells_the_files() {
+    let place = Place::new();
+    let args = ["room", "--scene", "closet.toml", "--out", "o"];
+    let err = |extra: &[&str]| place.expect(0, &[&args[..], extra].concat()).1;
+    assert_eq!(err(&["-q"]), "");
+    let verbose = err(&["--verbose"]);
+    for line in ["reads closet.toml", "writes o/metrics.csv", "writes o/run.json", " s in all"] {
+        assert!(verbose.contains(line), "{line}: {verbose}");
+    }
+    assert!(!err(&[]).contains("writes"));
+    let (_, err) = place.expect(2, &["--quiet", "room", "--scene", "no.toml"]);
+    assert!(err.starts_with("error: no.toml"), "{err}");
+    place.expect(2, &["room", "-q", "-v"]);
+}
+
+#[test]
+fn a_page_is_shown_when_it_is_written_and_without_a_browser_a_note_says_where_it_is() {
+    let place = Place::new();
+    let run = |path: &Path| {
+        let mut command = Command::cargo_bin("experiments").expect("built");
+        let args = ["room", "--scene", "closet.toml", "--out", "o", "--open"];
+        let out = command.current_dir(place.path()).env("PATH", path).args(args).output().expect("runs");
+        checked(0, &args, &out).1
+    };
+    let empty = tempfile::tempdir().expect("a folder");
+    let err = run(empty.path());
+    assert!(err.contains("there is no such program; open o/report.html in a browser"), "{err}");
+    place.expect(2, &["score", "o/visibility-end.npy", "--truth", "closet.toml", "--open"]);
+}
+
+/// What `--open` starts is told the page, by its whole path.
+#[cfg(target_os = "linux")]
+#[test]
+fn the_browser_is_told_the_page() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let place = Place::new();
+    let bin = tempfile::tempdir().expect("a folder");
+    let (browser, told) = (bin.path().join("xdg-open"), bin.path().join("told"));
+    let script = format!("#!/bin/sh\necho \"$1\" > '{0}.part'\n/bin/mv '{0}.part' '{0}'\n", told.display());
+    fs::write(&browser, script).expect("writable");
+    fs::set_permissions(&browser, fs::Permissions::from_mode(0o755)).expect("ours");
+    let mut command = Command::cargo_bin("experiments").expect("built");
+    let args = ["room", "--scene", "closet.toml", "--out", "o", "--open", "--mappers", "prior"];
+    let out = command.current_dir(place.path()).env("PATH", bin.path()).args(args).output().expect("runs");
+    checked(0, &args, &out);
+    while !told.exists() {
+        std::thread::sleep(std::time::Duration::from_millis(10)); // the program does not wait for the browser
+    }
+    let page = fs::read_to_string(&told).expect("there");
+    let expected = place.path().join("o/report.html").canonicalize().expect("written");
+    assert_eq!(Path::new(page.trim_end()), expected);
+}
+
+#[test]
+fn every_mistake_of_a_sweep_is_reported_by_check_and_where_it_is_read() {
+    let place = Place::new();
+    let sweep = r#"mapers = ["prior"]
+families = ["clutter", "clutter"]
+scene = "closet.toml"
+regions = ["observable", "everywhere"]
+[seeds]
+count = 0
+[set]
+prior = 2.0
+grid = 0.1
+[vary]
+grid = [0.1, -1.0, 0.1]
+correlation = { from = 0.5, to = 0.1, steps = 4 }
+[paired]
+disparity_sigma = [0.5, 1.0]
+believed_sigma = [0.5, 0.6, 0.7]
+"#;
+    fs::write(place.path().join("bad.toml"), sweep).expect("writable");
+    let (_, checked) = place.expect(2, &["check", "bad"]);
+    insta::assert_snapshot!(checked);
+    assert_eq!(place.expect(2, &["sweep", "bad.toml", "--out", "o"]).1, checked);
+    assert!(!place.path().join("o").exists());
+
+    // What a sweep names is read too, and options that are about scenes are refused.
+    let sweep = "mappers = [\"prior\"]\nscenes = [\"closet.toml\", \"no.toml\", \"none.toml\"]\n";
+    fs::write(place.path().join("far.toml"), sweep).expect("writable");
+    let (_, err) = place.expect(2, &["check", "far.toml"]);
+    assert!(err.contains("error: no.toml: ") && err.contains("error: none.toml: "), "{err}");
+    assert!(place.expect(2, &["check", "cell-size", "--show"]).1.contains("--show: is about scenes"));
+    let (out, _) = place.expect(0, &["check", "cell-size"]);
+    assert!(out.starts_with("experiments/sweeps/cell-size.toml: valid\n") && out.contains("\njobs "), "{out}");
+}
+
+#[test]
+fn every_mistake_of_gates_is_reported_by_check_and_where_they_are_read() {
+    let place = Place::new();
+    let gates = r#"[[gate]]
+name = "a"
+mapper = "visibilty"
+metric = "log_loss"
+at_most = "much"
+[[gate]]
+name = "a"
+mapper = "prior"
+metric = "detour"
+region = "observable"
+better_than = "prior"
+by = -1.0
+seeds = 1
+[[gate]]
+nam = "c"
+mapper = "prior"
+metric = "brier"
+scene = "no.toml"
+set = "tuning"
+"#;
+    fs::write(place.path().join("bad.toml"), gates).expect("writable");
+    let (_, checked) = place.expect(2, &["check", "bad"]);
+    insta::assert_snapshot!(checked);
+    assert_eq!(place.expect(2, &["gate", "--gates", "bad.toml"]).1, checked);
+    let (out, _) = place.expect(0, &["check", "results/gates.toml"]);
+    assert!(out.starts_with("results/gates.toml: valid\n") && out.contains("\ngates with a baseline "), "{out}");
+}
+
+#[test]
+fn a_scene_is_drawn_into_a_file() {
+    let place = Place::new();
+    let (shown, _) = place.expect(0, &["check", "closet", "--show"]);
+    let (_, err) = place.expect(0, &["check", "closet", "--out", "a.txt"]);
+    assert_eq!(err, "a.txt\n");
+    let drawn = fs::read_to_string(place.path().join("a.txt")).expect("there");
+    assert!(drawn.contains('#') && shown.contains(&drawn), "{drawn}");
+    place.expect(0, &["check", "closet", "--show", "--out", "a.png"]);
+    place.expect(0, &["check", "closet", "--out", "a.svg"]);
+    let read = |name: &str| fs::read(place.path().join(name)).expect("there");
+    assert!(read("a.png").starts_with(b"\x89PNG") && read("a.svg").starts_with(b"<svg"));
+    place.expect(0, &["room", "--scene", "closet", "--mappers", "prior", "--out", "o"]);
+    assert_eq!(read("a.png"), read("o/scene.png"), "the picture of room");
+
+    fs::write(place.path().join("mine.png"), "mine").expect("writable");
+    let (_, err) = place.expect(2, &["check", "closet", "--out", "mine.png"]);
+    assert!(err.contains("--force"), "{err}");
+    place.expect(0, &["check", "closet", "--out", "mine.png", "--force"]);
+    assert_eq!(read("mine.png"), read("a.png"));
+    let (_, err) = place.expect(2, &["check", "closet", "--out", "a.gif"]);
+    assert!(err.contains("must end in .png, .svg, or .txt"), "{err}");
+    place.expect(2, &["check", "closet", "--out", "closet.toml"]);
+}

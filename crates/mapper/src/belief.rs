@@ -4,3 +4,4 @@ pub mod estimate;
 pub(crate) mod lateral;
 pub(crate) mod prior;
 pub(crate) mod probability;
+pub(crate) mod renewal;

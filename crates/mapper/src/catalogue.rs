@@ -1,6 +1,7 @@
 //! Every mapper by name.
 
 use crate::belief::lateral::Lateral;
+use crate::belief::renewal::Renewal;
 use crate::fast::visibility::FastVisibility;
 use crate::fit::{Candidate, Fit, Fitted, Setting};
 use crate::mapper::Mapper;
@@ -8,12 +9,15 @@ use crate::model::Model;
 use crate::pairs::reconcile::Reconciliation;
 use crate::rules::continuous_ray::{ContinuousRay, ContinuousRays};
 use crate::rules::conventional::{Conventional, ConventionalRule};
+use crate::rules::decay::Decay;
+use crate::rules::dynamic_grid::DynamicGrid;
 use crate::rules::forward_em::ForwardEm;
 use crate::rules::hit_count::{HitCount, HitCounter};
 use crate::rules::log_odds::{ConstantIncrements, LogOdds};
 use crate::rules::mrf::{Field, Mrf};
 use crate::rules::no_occlusion::NoOcclusion;
 use crate::rules::range_cut::{ConventionalCut, RangeCut};
+use crate::rules::repeats::{OnlyNews, Repeats};
 use crate::rules::signed_distance::{SignedDistance, SignedDistances};
 use crate::rules::unseen::Unseen;
 use crate::rules::visibility::Visibility;
@@ -76,6 +80,16 @@ pub const MAPPERS: &[Entry] = &[
         build: &|model| Box::new(FastVisibility::lateral(model, Lateral::default())),
     },
     Entry {
+        name: "visibility-dynamic",
+        summary: "the paper's method where people, doors and chairs move, and the robot may stand",
+        source: "Eqs. (1)-(7), (18)-(20); Meyer-Delius et al. 2012; Kish 1965",
+        kind: Kind::Online,
+        build: &|model| {
+            let mapper = FastVisibility::dynamic(model, Renewal::CHOSEN);
+            Box::new(OnlyNews::new(Box::new(mapper), model, Repeats::CHOSEN))
+        },
+    },
+    Entry {
         name: "visibility-reference",
         summary: "the same in double precision, ray by ray: what the fast one is held to",
         source: "Eqs. (1)-(7), (18)-(20)",
@@ -130,6 +144,20 @@ pub const MAPPERS: &[Entry] = &[
         source: "Hess et al. 2016",
         kind: Kind::Online,
         build: &|model| Box::new(ConstantIncrements::new(model, LogOdds::CARTOGRAPHER.tuned(&model.tuning))),
+    },
+    Entry {
+        name: "log-odds-decay",
+        summary: "OctoMap's increments, forgotten exponentially: a world that moves",
+        source: "Hornung et al. 2013; Macenski et al. 2020",
+        kind: Kind::Online,
+        build: &|model| Box::new(Decay::STVL.mapper(model)),
+    },
+    Entry {
+        name: "dynamic-grid",
+        summary: "a hidden Markov chain in time in every cell, with fixed chances of change",
+        source: "Meyer-Delius et al. 2012, not learnt",
+        kind: Kind::Online,
+        build: &|model| Box::new(DynamicGrid::MINUTE.mapper(model)),
     },
     Entry {
         name: "hit-count-gmapping",

@@ -24,6 +24,7 @@ mod map;
 mod passage;
 mod passing;
 mod reconcile;
+mod renewal;
 mod scan;
 mod settled;
 mod sums;

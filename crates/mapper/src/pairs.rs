@@ -8,3 +8,4 @@ pub(crate) mod lateral_edges;
 pub(crate) mod moments;
 pub(crate) mod posterior;
 pub(crate) mod reconcile;
+pub(crate) mod renewal;

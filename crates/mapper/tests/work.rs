@@ -40,6 +40,7 @@ fn every_mapper_that_counts_counts_rays_times_cells() {
         let expected = match entry.name {
             "forward-em" | "mrf" | "prior" => 0, // they do not count
             name if name.starts_with("log-odds") || name.starts_with("hit-count") => 2 * 31,
+            "dynamic-grid" => 2 * 31,
             "octomap-cut" => match LogOdds::OCTOMAP_CUT.max_range_m {
                 far_m if far_m >= 1.5 => 2 * 31,
                 near_m => 2 * (ends_at(near_m) - 1), // the cell in which the ray is cut short is left alone

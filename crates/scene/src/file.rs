@@ -29,7 +29,7 @@ use strict::Table;
 
 use self::bounds::Extent;
 pub(crate) use self::family::is_family;
-use self::findings::{Findings, first};
+use self::findings::Findings;
 use crate::{Obstacle, Problem, Scene, SceneError, Warning};
 
 const KEYS: [&str; 21] = [
@@ -71,7 +71,7 @@ impl Scene {
     /// # Errors
     /// The first problem with the text.
     pub fn parse(text: &str, path: &Path, cell_m: Option<f64>) -> Result<Self, SceneError> {
-        Self::examine(text, path, cell_m).map_err(first)
+        Self::examine(text, path, cell_m).map_err(strict::first)
     }
 
     /// As [`parse`](Self::parse), for those who would rather mend all of a file at once.

@@ -20,12 +20,14 @@
 //! - [`opened`] opens any file; of one that is not there the message names one beside it that is called nearly so.
 //! - [`bring`] names files that a program has within it, for folders in which they do not lie.
 //! - [`Table`] gives values that are checked where they are taken; [`Table::only`] refuses keys that nothing reads.
+//! - [`Findings`] keeps all that is wrong with a file, not only the first of it.
 //! - [`nearest`] and [`hint`] find the known name that is most like a wrong one.
 //! - [`excerpt`](excerpt()) is what messages quote of a file: one line of bounded length.
 
 mod brought;
 mod excerpt;
 mod file;
+mod findings;
 mod foreign;
 mod likeness;
 mod limit;
@@ -38,6 +40,7 @@ mod value;
 pub use brought::{Brought, Opened, bring, brought, is_file};
 pub use excerpt::{LONGEST_REPORT, LONGEST_VALUE, excerpt};
 pub use file::{open, opened, read};
+pub use findings::{Finding, Findings, first};
 pub use likeness::{hint, nearest};
 pub use limit::Limit;
 pub use place::Place;

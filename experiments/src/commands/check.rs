@@ -1,74 +1,152 @@
-//! `check SCENE`: is the scene valid, and what does it hold?
+//! `check FILE`: is a scene, a family, a sweep or a file of gates valid, and what does it hold?
 
 mod drawing;
+mod picture;
+
+use std::path::{Path, PathBuf};
 
 use clap::Args;
-
 use mapper::Prior;
-use scene::{SceneError, enclosure};
+use scene::enclosure;
 use score::MovingRegion;
 use serde_json::{Value, json};
 
 use self::drawing::drawing;
+use self::picture::Form;
 use crate::failure::Failure;
+use crate::output::args::{FormatOption, positive};
+use crate::output::single::{self, Existing};
 use crate::output::table::{Table, aligned, rounded};
-use crate::output::warn;
+use crate::output::{note, warn};
 use crate::worlds::run::Ground;
-use crate::worlds::scenes::SceneOptions;
+use crate::worlds::scenes::described;
 use crate::worlds::witness::Witness;
 
 /// Options of `check`.
 #[derive(Debug, Args)]
 pub struct CheckOptions {
-    /// What to check
-    #[command(flatten)]
-    pub scene: SceneOptions,
+    /// Scene, family of scenes, sweep or gates: a name of `list`, or a file
+    #[arg(value_name = "FILE", value_parser = described())]
+    pub file: PathBuf,
+    /// Which scene of a family [default: 1]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub layout: Option<u64>,
+    /// Side of a cell in metres, instead of the scene's
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive)]
+    pub grid: Option<f64>,
     /// Draw the scene in characters, above what it holds
     #[arg(long)]
     pub show: bool,
+    /// Draw the scene into a file: .png, .svg, or .txt for characters
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Replace the file of --out if it is there already
+    #[arg(long, requires = "out")]
+    pub force: bool,
+    /// How the table is printed
+    #[command(flatten)]
+    pub print: FormatOption,
+}
+
+/// Something that a file holds: what, how much, and its unit.
+pub type Fact = (String, Value, &'static str);
+
+/// What single commands make of their files.
+pub struct Readers {
+    /// Of sweeps.
+    pub sweep: fn(&Path) -> Result<Vec<Fact>, Failure>,
+    /// Of gates.
+    pub gate: fn(&Path) -> Result<Vec<Fact>, Failure>,
 }
 
 /// Columns of a drawing.
 const WIDTH: usize = 78;
 
-/// Loads the scene, drives its route, and prints what there is.
+/// Reads the file, drives the route of a scene, and prints what there is.
 ///
 /// # Errors
-/// All that is wrong with the scene's file, a line each, in the order of the file; else the first problem with its route.
-pub fn run(options: &CheckOptions) -> Result<(), Failure> {
-    let CheckOptions { scene: options, show } = options;
-    let scene = scene::examine(&options.scene, options.grid, options.layout).map_err(all)?;
+/// All that is wrong with the file, a line each, in the order of the file; else the first problem with a route.
+pub fn run(options: &CheckOptions, readers: &Readers) -> Result<(), Failure> {
+    let (what, reader) = match kind(&options.file) {
+        Kind::Scene => return scene(options),
+        Kind::Sweep => ("a sweep", readers.sweep),
+        Kind::Gates => ("a file of gates", readers.gate),
+    };
+    let given = [
+        ("--show", options.show),
+        ("--out", options.out.is_some()),
+        ("--layout", options.layout.is_some()),
+        ("--grid", options.grid.is_some()),
+    ];
+    if let Some((option, _)) = given.into_iter().find(|(_, given)| *given) {
+        let place = options.file.display();
+        return Err(Failure::BadInput(format!("{option}: is about scenes, and {place} is {what}; leave it out")));
+    }
+    let facts = reader(&options.file)?;
+    print(options, &facts, "", "")
+}
+
+/// What a file is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    /// A scene or a family, or nothing that can be told.
+    Scene,
+    Sweep,
+    Gates,
+}
+
+/// By the keys of the file that no other kind has.
+fn kind(path: &Path) -> Kind {
+    let Ok(text) = strict::read(path) else { return Kind::Scene };
+    let Ok((source, document)) = strict::open(&text, "") else { return Kind::Scene };
+    let root = strict::Table::new(&source, "", 0, document.get_ref());
+    let has = |keys: &[&str]| keys.iter().any(|key| root.get(key).is_some());
+    match () {
+        () if has(&["gate"]) => Kind::Gates,
+        () if has(&["mappers", "vary", "paired", "scenes", "families"]) => Kind::Sweep,
+        () => Kind::Scene,
+    }
+}
+
+/// Checks a scene, or one of a family.
+fn scene(options: &CheckOptions) -> Result<(), Failure> {
+    let file = &options.file;
+    let form = options.out.as_deref().map(Form::of).transpose()?;
+    if let Some(out) = &options.out {
+        single::refuse_taken(out, &[file], Existing::forced(options.force))?;
+    }
+    let scene = scene::examine(file, options.grid, options.layout)?;
     let ground = Ground::new(scene, Prior::default().occupancy)?;
     warn(&ground.scene.warnings);
-    warn(enclosure(&ground.scene, &ground.world, &ground.drive).warning(&options.scene).as_slice());
-    let facts = facts(&ground)?;
+    warn(enclosure(&ground.scene, &ground.world, &ground.drive).warning(file).as_slice());
+    let layout = ground.scene.layout.map(|layout| format!(", layout {layout}")).unwrap_or_default();
+    let shown = if options.show { drawing(&ground, WIDTH) + "\n" } else { String::new() };
+    if let Some((out, form)) = options.out.as_ref().zip(form) {
+        let picture = single::Whole { path: out.clone(), bytes: form.picture(&ground, WIDTH)? };
+        single::put(&[picture], &[file], Existing::forced(options.force))?;
+    }
+    print(options, &facts(&ground)?, &layout, &shown)?;
+    options.out.iter().for_each(|out| note(out.display()));
+    Ok(())
+}
+
+/// Prints that the file is valid, a drawing, and what it holds.
+fn print(options: &CheckOptions, facts: &[Fact], layout: &str, drawing: &str) -> Result<(), Failure> {
     let table = Table::of(
-        &facts,
+        facts,
         &[("item", &|row| json!(row.0)), ("value", &|row| row.1.clone()), ("unit", &|row| json!(row.2))],
     );
     table.print(options.print.format, || {
         // A number of things has no unit to show.
         let unit = |unit: &str| if unit == "1" { String::new() } else { unit.to_owned() };
-        let rows: Vec<_> = facts.iter().map(|row| vec![row.0.clone(), row.1.to_string(), unit(row.2)]).collect();
-        let layout = ground.scene.layout.map(|layout| format!(", layout {layout}")).unwrap_or_default();
+        let value = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+        let rows: Vec<_> = facts.iter().map(|row| vec![row.0.clone(), value(&row.1), unit(row.2)]).collect();
         let table = aligned(&["item", "value", "unit"], &rows);
-        let drawing = if *show { drawing(&ground, WIDTH) + "\n" } else { String::new() };
-        format!("{}{layout}: valid\n\n{drawing}{table}", options.scene.display())
+        format!("{}{layout}: valid\n\n{drawing}{table}", options.file.display())
     })
 }
 
-/// One failure of all errors.
-fn all(mut errors: Vec<SceneError>) -> Failure {
-    errors.sort_by_key(|error| error.place().map(|place| (place.line, place.column)));
-    let all: Vec<Failure> = errors.into_iter().map(Failure::from).collect();
-    let lines = all.iter().map(ToString::to_string).collect::<Vec<_>>().join("\nerror: ");
-    match all.iter().any(|failure| matches!(failure, Failure::Internal(_))) {
-        true => Failure::Internal(lines),
-        false => Failure::BadInput(lines),
-    }
-}
-
-fn facts(ground: &Ground) -> Result<Vec<(String, Value, &'static str)>, Failure> {
+fn facts(ground: &Ground) -> Result<Vec<Fact>, Failure> {
     let scene = &ground.scene;
     let spec = &scene.grid;
     let mut witness = Witness::new(ground);

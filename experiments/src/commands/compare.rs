@@ -52,6 +52,7 @@ use crate::output::record::Record;
 use crate::programs::times;
 use crate::worlds::claims as claim;
 use crate::worlds::faults;
+use crate::worlds::ranked::Head;
 
 /// Runs the comparison, or the rest of one that was interrupted.
 ///
@@ -61,6 +62,11 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     let start = Instant::now();
     interruption::watch();
     let plan = Plan::new(options)?;
+    options.order.check(
+        options.format,
+        &text::heads(&plan).iter().map(|head| Head::titled(head)).collect::<Vec<_>>(),
+        tables::differences(&[], REFERENCE).columns(),
+    )?;
     let out = options.out.clone().unwrap_or_else(|| default_folder(&plan, options.quick));
     let reads: Vec<&Path> = options.families.iter().map(PathBuf::as_path).collect();
     let mut staging = Staging::open(&out, &Purpose::new("compare", &reads, outputs::names(&plan, &options.paper)))?;
@@ -79,9 +85,11 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     Journal::clear(&out);
 
     let differences = tables::differences(&findings.judgements, REFERENCE);
-    differences.print(options.format, || text::summary(&plan, &rows, &findings.claims))?;
+    let text = || text::summary(&plan, &rows, &findings.claims, &options.order);
+    options.order.of(differences, &[]).print(options.format, text)?;
+    let place = out.join("report.html");
+    options.open.show(&place);
     if options.format == Format::Text {
-        let place = out.join("report.html");
         note(format_args!("{} in {:.0} s", place.display(), start.elapsed().as_secs_f64()));
     }
     times::tell();

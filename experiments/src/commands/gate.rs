@@ -7,6 +7,7 @@
 pub mod baseline;
 pub mod door;
 pub mod file;
+mod held;
 pub mod measure;
 pub mod options;
 mod schema;
@@ -25,6 +26,7 @@ use std::time::Instant;
 use clap::Parser as _;
 use mapper::catalogue::{Entry, MAPPERS};
 
+pub use self::held::held;
 pub use self::options::GateOptions;
 pub use self::schema::schema;
 

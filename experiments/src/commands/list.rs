@@ -8,8 +8,9 @@ use mapper::catalogue::{Entry, MAPPERS};
 use serde_json::json;
 
 use crate::failure::Failure;
-use crate::output::args::FormatOption;
+use crate::output::args::{Format, FormatOption};
 use crate::output::table::{Table, width, wrapped};
+use crate::worlds::ranked::SortOption;
 use crate::worlds::scenes::{SCENES, SWEEPS};
 
 /// Options of `list`.
@@ -18,6 +19,9 @@ pub struct ListOptions {
     /// How the table is printed
     #[command(flatten)]
     pub print: FormatOption,
+    /// How rows are ordered
+    #[command(flatten)]
+    pub order: SortOption,
 }
 
 /// Prints `experiments`, mappers, scenes, families and sweeps.
@@ -25,6 +29,7 @@ pub struct ListOptions {
 /// # Errors
 /// A stdout that cannot be written.
 pub fn run<'a>(options: &ListOptions, experiments: impl Iterator<Item = &'a Command>) -> Result<(), Failure> {
+    options.order.check(Format::Csv, &[], &["kind", "name", "summary", "source"])?;
     let about = |command: &Command| command.get_about().map(ToString::to_string).unwrap_or_default();
     let experiment = |command: &Command| Listed::new("experiment", command.get_name(), &about(command));
     let mut all: Vec<Listed> = experiments.map(experiment).collect();
@@ -32,6 +37,13 @@ pub fn run<'a>(options: &ListOptions, experiments: impl Iterator<Item = &'a Comm
     all.extend(MAPPERS.iter().map(mapper));
     all.extend(scenes());
     all.extend(sweeps());
+    let key = |listed: &Listed| match options.order.sort.as_deref().map(str::trim) {
+        Some(column) if column.eq_ignore_ascii_case("name") => listed.name.clone(),
+        Some(column) if column.eq_ignore_ascii_case("summary") => listed.summary.clone(),
+        Some(column) if column.eq_ignore_ascii_case("source") => listed.source.clone().unwrap_or_default(),
+        _ => String::new(), // within a kind, all are alike
+    };
+    all.chunk_by_mut(|a, b| a.kind == b.kind).for_each(|kind| kind.sort_by_cached_key(key));
     let table = Table::of(
         &all,
         &[

@@ -45,6 +45,11 @@ pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
     let start = Instant::now();
     interruption::watch();
     let entries = entries(&options.mappers, &options.programs)?;
+    options.order.check(
+        options.print.format,
+        &[outputs::heads(true), outputs::heads(false)].concat(),
+        &predictions::COLUMNS,
+    )?;
     let recording = Recording::of(options)?;
     threads::limit(options.threads.count)?;
     let sensor = options.sensor(recording.scans()?.sensor())?;
@@ -92,9 +97,10 @@ pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
     outputs::write(&mut staging, &recording, &told)?;
     staging.publish()?;
 
-    predictions.table().print(options.print.format, || outputs::text(&told))?;
+    options.order.of(predictions.table(), &[]).print(options.print.format, || outputs::text(&told))?;
+    let place = out.join("report.html");
+    options.open.show(&place);
     if options.print.format == Format::Text {
-        let place = out.join("report.html");
         let mapped = survey.kept - survey.kept / options.hold_out;
         note(format_args!(
             "{} in {:.1} s; {:.0} scans/s by {} mappers at once{}",

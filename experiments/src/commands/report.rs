@@ -12,6 +12,7 @@ use serde_json::Value;
 use crate::failure::Failure;
 use crate::jobs::interruption;
 use crate::jobs::progress::Doing;
+use crate::output::args::OpenOption;
 use crate::output::folder::{Purpose, Staging, recover};
 use crate::output::ledger::{Ledger, RECORD};
 use crate::output::note;
@@ -30,6 +31,9 @@ pub struct ReportOptions {
     /// Replace the page if it is there already
     #[arg(long, requires = "out")]
     pub force: bool,
+    /// Whether the page is shown
+    #[command(flatten)]
+    pub open: OpenOption,
 }
 
 /// Makes the page of a folder anew, from the folder and its record.
@@ -61,6 +65,7 @@ pub fn run(options: &ReportOptions, pages: &[(&str, Renewal)]) -> Result<(), Fai
     let out = place.write(renewed(&folder, &record)?)?;
     drop(doing);
     note(out.display());
+    options.open.show(&out);
     Ok(())
 }
 

@@ -50,6 +50,8 @@ pub fn run(options: &RoomOptions) -> Result<(), Failure> {
     plan::claimable(&ground, options)?;
     warn(&ground.scene.warnings);
     warn(scene::enclosure(&ground.scene, &ground.world, &ground.drive).warning(&options.scene).as_slice());
+    let columns = outputs::metrics(&ground, &[], &[]);
+    options.order.check(options.format, &summary::heads(&ground), columns.columns())?;
     let files = outputs::names(&ground, &mappers, &options.paper);
     let mut staging = Staging::open(&out, &Purpose::new("room", &[&options.scene], files))?;
     let trials = trials(&ground, &seeds, &mappers, &setup, &frames)?;
@@ -63,10 +65,12 @@ pub fn run(options: &RoomOptions) -> Result<(), Failure> {
     outputs::write(&mut staging, outcome, &metrics, &record, &options.paper)?;
     staging.publish()?;
 
-    metrics.print(options.format, || summary::text(&ground, &trials, &stages, &claims))?;
+    let text = || summary::text(&ground, &trials, &stages, &claims, &options.order);
+    options.order.of(metrics, &[]).print(options.format, text)?;
     times::tell();
+    let place = out.join("report.html");
+    options.open.show(&place);
     if options.format == Format::Text {
-        let place = out.join("report.html");
         note(format_args!("{} in {:.1} s", place.display(), start.elapsed().as_secs_f64()));
     }
     if claims.is_empty() && ground.scene.regions.iter().any(|region| region.claims) {

@@ -31,7 +31,7 @@ use self::scored::{Scored, ScoredMap};
 use self::truth::Truth;
 use crate::failure::Failure;
 use crate::jobs::{interruption, threads};
-use crate::output::args::Format;
+use crate::output::args::{Format, OpenOption};
 use crate::output::folder::Staging;
 use crate::output::{note, warn};
 use crate::worlds::map_file::extension;
@@ -44,6 +44,7 @@ pub fn run(options: &ScoreOptions) -> Result<(), Failure> {
     interruption::watch();
     threads::limit(options.threads.count)?;
     let names = names(&options.maps)?;
+    options.order.check(options.print.format, &text::heads(options), rows::table(&[]).columns())?;
     effective(options)?;
     let truth = Truth::read(options)?;
     let regions = match &options.scans {
@@ -77,9 +78,13 @@ pub fn run(options: &ScoreOptions) -> Result<(), Failure> {
         outputs::write(&mut staging, &scored, &truth, &regions, options)?;
         staging.publish()?;
     }
-    rows::table(&scored.rows()).print(options.print.format, || text::text(&scored, &truth, options))?;
-    if let Some(out) = options.out.as_ref().filter(|_| options.print.format == Format::Text) {
-        note(out.join("report.html").display());
+    let table = options.order.of(rows::table(&scored.rows()), &[]);
+    table.print(options.print.format, || text::text(&scored, &truth, options))?;
+    if let Some(page) = options.out.as_ref().map(|out| out.join("report.html")) {
+        OpenOption { open: options.open }.show(&page);
+        if options.print.format == Format::Text {
+            note(page.display());
+        }
     }
     Ok(())
 }

@@ -38,6 +38,7 @@ use crate::worlds::mappers::entries;
 pub fn run(options: &SpeedOptions) -> Result<(), Failure> {
     interruption::watch();
     let entries = entries(&options.mappers, &options.programs)?;
+    options.order.check(options.print.format, &tables::HEADS, &tables::COLUMNS)?;
     if options.growth {
         if let Some(program) = options.programs.programs.first() {
             return Err(Failure::BadInput(format!(
@@ -86,7 +87,7 @@ pub fn run(options: &SpeedOptions) -> Result<(), Failure> {
             note(format_args!("{}: {:.3} s of its last map in its process", speed.mapper, outside.seconds));
         }
     }
-    let table = tables::table(&speeds, &conditions);
+    let table = options.order.of(tables::table(&speeds, &conditions), &tables::HEADS);
     let printed = match (options.print.format, &curves) {
         (Format::Json, Some(curves)) => {
             let mut json = table.to_json();
@@ -95,7 +96,7 @@ pub fn run(options: &SpeedOptions) -> Result<(), Failure> {
         }
         (format, curves) => table.print(format, || {
             let growth = curves.as_ref().map(|curves| format!("\n{}", growth::text(curves))).unwrap_or_default();
-            tables::text(&speeds, &conditions) + &growth
+            tables::text(&speeds, &conditions, &options.order) + &growth
         }),
     };
     printed?;

@@ -3,6 +3,7 @@
 pub mod engine;
 pub mod estimate;
 pub mod file;
+mod held;
 pub mod job;
 pub mod manifest;
 pub mod merge;
@@ -17,6 +18,7 @@ pub mod shard;
 mod slurm;
 pub mod source;
 
+pub use held::held;
 pub use options::SweepOptions;
 pub use schema::schema;
 

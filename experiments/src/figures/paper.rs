@@ -3,6 +3,7 @@
 use std::io::Write as _;
 
 use clap::Args;
+use serde::Serialize;
 
 use super::{Drawing, encode, raster, svg};
 use crate::failure::Failure;
@@ -18,7 +19,7 @@ const MM_PER_INCH: f64 = 25.4;
 const MOST_PIXELS: f64 = 1e8;
 
 /// How pictures are made.
-#[derive(Debug, Clone, Copy, PartialEq, Args)]
+#[derive(Debug, Clone, Copy, PartialEq, Args, Serialize)]
 #[command(next_help_heading = "Pictures")]
 pub struct Paper {
     /// Write every picture as SVG too, for print and for editing
@@ -44,6 +45,11 @@ impl Default for Paper {
 
 impl Paper {
     const DPI: u32 = 200;
+
+    /// What was asked for, as records hold it; nothing where nothing was.
+    pub fn asked(&self) -> Option<Self> {
+        (*self != Self::default()).then_some(*self)
+    }
 
     /// How wide a picture is to be, in units; `natural` where nothing was asked for.
     pub fn width(&self, natural: f64) -> f64 {
@@ -73,6 +79,14 @@ impl Paper {
         encode::png(&raster::pixels(drawing, scale)?, self.dpi)
     }
 
+    /// The drawing as SVG.
+    ///
+    /// # Errors
+    /// None but a defect.
+    pub fn svg(drawing: &Drawing) -> Result<String, Failure> {
+        svg::text(drawing, MM_PER_INCH / UNITS_PER_INCH)
+    }
+
     /// Writes the drawing as `name`, which ends in `.png`, and as SVG if asked to; gives the PNG.
     ///
     /// # Errors
@@ -81,7 +95,7 @@ impl Paper {
         let bytes = self.png(drawing)?;
         staging.write(name, |out| out.write_all(&bytes))?;
         if self.svg {
-            let text = svg::text(drawing, MM_PER_INCH / UNITS_PER_INCH)?;
+            let text = Self::svg(drawing)?;
             staging.write(&vector_name(name), |out| out.write_all(text.as_bytes()))?;
         }
         Ok(bytes)

@@ -5,8 +5,9 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
+use crate::output::loudness::{self, Loudness};
 use crate::output::{note, screen};
 
 /// So long the pace is watched before it is told what is left.
@@ -140,7 +141,7 @@ pub struct Doing {
 impl Doing {
     /// The first thing to do.
     pub fn new(what: &'static str) -> Self {
-        let bar = ProgressBar::new_spinner();
+        let bar = ProgressBar::with_draw_target(None, target());
         let style = ProgressStyle::with_template("{spinner} {msg}, {elapsed}");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
         bar.enable_steady_tick(Duration::from_millis(200));
@@ -226,8 +227,13 @@ fn left(elapsed: Duration, done: u64, of: u64) -> Option<String> {
     (left > SHORT).then(|| format!("about {long} are left: {done} of {of} are done"))
 }
 
+/// Where bars are drawn: nowhere with `--quiet`.
+fn target() -> ProgressDrawTarget {
+    if loudness::says(Loudness::Usual) { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() }
+}
+
 fn bar(length: u64, template: &str) -> ProgressBar {
-    let bar = ProgressBar::new(length);
+    let bar = ProgressBar::with_draw_target(Some(length), target());
     let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
     // Before the pace is known, nobody knows what is left.
     let left = |state: &ProgressState, out: &mut dyn Write| {

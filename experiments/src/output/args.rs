@@ -1,12 +1,13 @@
 //! Options that several commands share, and the bounds of their values.
 
 use std::convert::Infallible;
+use std::path::Path;
 
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, ValueEnum};
 use mapper::{CorrelationLaw, Prior, Reconciliation};
 
-use super::note;
+use super::{browser, note};
 
 /// How a table is printed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
@@ -26,6 +27,34 @@ pub struct FormatOption {
     /// Form of the table on stdout
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
+}
+
+/// `--open`.
+#[derive(Debug, Clone, Copy, Default, Args)]
+pub struct OpenOption {
+    /// Show the page in the browser when it is written
+    #[arg(long)]
+    pub open: bool,
+}
+
+impl OpenOption {
+    /// Shows a page, where that is asked for.
+    pub(crate) fn show(self, page: &Path) {
+        if self.open {
+            browser::show(page);
+        }
+    }
+}
+
+/// `--quiet` and `--verbose`, of every command.
+#[derive(Debug, Clone, Copy, Default, Args)]
+pub struct LoudnessOptions {
+    /// Say neither progress nor notes; warnings and errors stay
+    #[arg(short, long, global = true, conflicts_with = "verbose", display_order = 1000)]
+    pub quiet: bool,
+    /// Say too which files are read and written, and how long it took
+    #[arg(short, long, global = true, display_order = 1000)]
+    pub verbose: bool,
 }
 
 /// `--threads`.

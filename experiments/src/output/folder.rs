@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+use super::detail;
 use super::ledger::{self, FileEntry, Ledger, RECORD, Sealed};
 use super::publication::{Hidden, Lock};
 use crate::failure::Failure;
@@ -97,6 +98,7 @@ impl Staging {
                 folder.display()
             ))
         };
+        purpose.reads.iter().for_each(|path| detail(format_args!("reads {}", path.display())));
         let new = !folder.exists();
         fs::create_dir_all(folder).map_err(|e| refuse("the output folder cannot be made", &e))?;
         let lock = lock(folder).map_err(|()| refuse("the output folder is in use", &"another run is writing to it"))?;
@@ -151,7 +153,9 @@ impl Staging {
             fill(&mut out).map_err(Into::into)?;
             out.flush()
         });
-        written.map_err(|e| Failure::write(&self.folder.join(name), &e))
+        written.map_err(|e| Failure::write(&self.folder.join(name), &e))?;
+        detail(format_args!("writes {}", self.folder.join(name).display()));
+        Ok(())
     }
 
     /// Writes the record of the run, last of all files: an object that names the command. Name, size and digest of

@@ -1,9 +1,12 @@
-//! Colour where it carries meaning: what fails is red, what holds green. Streams that are no terminal, and NO_COLOR, take it off.
+//! Colour where it carries meaning: what fails is red, what holds green, the best of a column bold. Streams that are no terminal, and NO_COLOR, take it off.
 
 use anstyle::{AnsiColor, Style};
 
+use super::marks::{BEST, is_marked};
+
 const BAD: Style = AnsiColor::Red.on_default().bold();
 const GOOD: Style = AnsiColor::Green.on_default();
+const FIRST: Style = AnsiColor::Green.on_default().bold();
 const DOUBT: Style = AnsiColor::Yellow.on_default();
 
 /// Words that carry meaning where a line begins or ends with them.
@@ -20,7 +23,8 @@ const WORDS: [(&str, Style); 10] = [
     ("unsure", DOUBT),
 ];
 
-/// A text with its first and last words of a line in colour, where they stand apart: by a gap of two blanks or alone.
+/// A text with its first and last words of a line in colour, where they stand apart: by a gap of two blanks or alone; and with the
+/// best numbers of tables.
 pub fn meaning(text: &str) -> String {
     let end = if text.ends_with('\n') { "\n" } else { "" };
     text.lines().map(line).collect::<Vec<_>>().join("\n") + end
@@ -35,7 +39,10 @@ fn line(line: &str) -> String {
             return format!("{}{after}", painted(word, style));
         }
     }
-    line.to_owned()
+    line.split(' ')
+        .map(|word| if is_marked(word, BEST) { painted(word, FIRST) } else { word.to_owned() })
+        .collect::<Vec<_>>()
+        .join(" ")
 }
 
 /// `error:` and `warning:` before a message.
@@ -59,7 +66,13 @@ mod tests {
     #[test]
     fn words_that_stand_apart_are_painted_and_no_others() {
         let plain = |text: &str| anstream::adapter::strip_str(text).to_string();
-        for text in ["near  0.08  pass\n", "holds  Figure 6: ok", "FAIL near", "conventional  +0.2  worse"] {
+        for text in [
+            "near  0.08  pass\n",
+            "holds  Figure 6: ok",
+            "FAIL near",
+            "conventional  +0.2  worse",
+            "visibility  0.095* 0.3",
+        ] {
             let painted = meaning(text);
             assert_ne!(painted, text);
             assert_eq!(plain(&painted), text);

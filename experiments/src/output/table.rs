@@ -1,5 +1,6 @@
 //! Tables: one value, three views.
 
+use std::cmp::Ordering;
 use std::collections::BTreeSet;
 use std::io::{self, Write};
 
@@ -91,6 +92,15 @@ impl Table {
         json!({ "schema_version": 1, "rows": self.rows.iter().map(object).collect::<Vec<_>>() })
     }
 
+    /// The same rows in another order, those alike as they were; `order` is given their cells as text.
+    #[must_use]
+    pub fn sorted_by(mut self, order: impl Fn(&[String], &[String]) -> Ordering) -> Self {
+        let mut rows: Vec<(Vec<String>, Vec<Value>)> = self.fields().into_iter().zip(self.rows).collect();
+        rows.sort_by(|a, b| order(&a.0, &b.0));
+        self.rows = rows.into_iter().map(|(_, row)| row).collect();
+        self
+    }
+
     /// Writes the table to stdout, for reading as `text` gives it.
     ///
     /// # Errors
@@ -156,13 +166,30 @@ pub fn optional(value: Option<f64>) -> Value {
 /// A table for reading: columns are aligned, numbers to the right, and nothing is drawn but a line
 /// under the heads. Where the screen is narrower, it comes in blocks, each with the columns that tell rows apart.
 pub fn aligned(heads: &[&str], rows: &[Vec<String>]) -> String {
+    in_blocks(heads, rows, Gap::Two)
+}
+
+/// The same of columns that may hold marks: where a head ends with a blank, the last letter of a column stands in the gap behind it.
+pub fn marked(heads: &[&str], rows: &[Vec<String>]) -> String {
+    in_blocks(heads, rows, Gap::Marks)
+}
+
+/// What stands between columns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Gap {
+    Two,
+    /// One blank behind a column whose head ends with one.
+    Marks,
+}
+
+fn in_blocks(heads: &[&str], rows: &[Vec<String>], gap: Gap) -> String {
     let blocks = width().map_or_else(|| vec![(0..heads.len()).collect()], |width| blocks(heads, rows, width));
     let part = |block: Vec<usize>| {
         let heads: Vec<&str> = block.iter().map(|&column| heads[column]).collect();
         let cell = |row: &Vec<String>, column: usize| row.get(column).cloned().unwrap_or_default();
         let rows: Vec<Vec<String>> =
             rows.iter().map(|row| block.iter().map(|&column| cell(row, column)).collect()).collect();
-        unbroken(&heads, &rows)
+        unbroken(&heads, &rows, gap)
     };
     blocks.into_iter().map(part).collect::<Vec<_>>().join("\n")
 }
@@ -198,13 +225,14 @@ fn blocks(heads: &[&str], rows: &[Vec<String>], width: usize) -> Vec<Vec<usize>>
     all
 }
 
-fn unbroken(heads: &[&str], rows: &[Vec<String>]) -> String {
+fn unbroken(heads: &[&str], rows: &[Vec<String>], gap: Gap) -> String {
     use comfy_table::{CellAlignment, LineStyle, Table as Text, TableStyle};
     let rule = LineStyle::none().fill('─').junction('─');
     let mut text = Text::new();
     text.load_style(TableStyle::new().header_separator(rule)).set_header(heads).add_rows(rows);
     for (i, column) in text.column_iter_mut().enumerate() {
-        column.set_padding((0, u16::from(i + 1 < heads.len())));
+        let in_gap = gap == Gap::Marks && heads[i].ends_with(' ');
+        column.set_padding((0, u16::from(i + 1 < heads.len() && !in_gap)));
         if i > 0 {
             column.set_cell_alignment(CellAlignment::Right);
         }

@@ -6,6 +6,8 @@ use mapper::Prior;
 use sensor::{Laser, Stereo};
 use serde_json::{Value, json};
 
+use crate::figures::Paper;
+use crate::programs::options::TIMEOUT_S;
 use crate::worlds::drives::DriveOptions;
 
 /// An option: where its value stands in a record, its name, and the value that need not be typed.
@@ -14,10 +16,10 @@ type Typed = (&'static str, &'static str, Value);
 /// The command line of a record; empty where the command leaves no page.
 pub fn command_line(record: &Value) -> String {
     let (arguments, options): (&[&str], Vec<Typed>) = match record["command"].as_str() {
-        Some("room") => (&[], [room(), assumed(), drives()].concat()),
-        Some("compare") => (&[], [compare(), assumed(), drives()].concat()),
-        Some("score") => (&["/configuration/maps"], [score(), drives()].concat()),
-        Some("replay") => (&["/configuration/log"], [replay(), assumed()].concat()),
+        Some("room") => (&[], [room(), assumed(), drives(), pictures()].concat()),
+        Some("compare") => (&[], [compare(), assumed(), drives(), pictures()].concat()),
+        Some("score") => (&["/configuration/maps"], [score(), drives(), pictures()].concat()),
+        Some("replay") => (&["/configuration/log"], [replay(), assumed(), pictures()].concat()),
         _ => return String::new(),
     };
     let at = |place: &str| record.pointer(place).filter(|value| !value.is_null());
@@ -44,12 +46,28 @@ pub fn command_line(record: &Value) -> String {
             words.extend([option.to_owned(), text]);
         }
     }
+    if let Some(origin) = record.pointer("/configuration/place").filter(|place| !place.is_null()) {
+        let numbers =
+            ["/origin_m/0", "/origin_m/1", "/yaw_rad"].map(|place| origin.pointer(place).map(Value::to_string));
+        words.push("--origin".to_owned());
+        words.push(numbers.into_iter().flatten().collect::<Vec<_>>().join(","));
+    }
+    for (place, option) in FLAGS {
+        words.extend(at(place).filter(|value| **value == json!(true)).map(|_| option.to_owned()));
+    }
     for program in programs() {
         let [name, command] = ["name", "command"].map(|key| program[key].as_str().unwrap_or_default());
         words.extend(["--mapper".to_owned(), quoted(&format!("{name}={command}"))]);
     }
+    let timeout_s = programs().find_map(|program| program["timeout_s"].as_f64());
+    if let Some(timeout_s) = timeout_s.filter(|time_s| time_s.total_cmp(&TIMEOUT_S).is_ne()) {
+        words.extend(["--mapper-timeout".to_owned(), timeout_s.to_string()]);
+    }
     words.join(" ")
 }
+
+/// Options without a value: where a record says that they were given.
+const FLAGS: [(&str, &str); 2] = [("/configuration/row_order_top", "--row-order top"), ("/pictures/svg", "--svg")];
 
 fn room() -> Vec<Typed> {
     vec![
@@ -86,6 +104,7 @@ fn score() -> Vec<Typed> {
         ("/configuration/align", "--align", json!("none")),
         ("/configuration/align_bound_m", "--align-bound", json!(0.5)),
         ("/configuration/align_bound_deg", "--align-turn", json!(5.0)),
+        ("/configuration/read_as", "--read-as", Value::Null),
         ("/configuration/place/cell_m", "--resolution", Value::Null),
     ]
 }
@@ -93,11 +112,15 @@ fn score() -> Vec<Typed> {
 fn replay() -> Vec<Typed> {
     vec![
         ("/configuration/trajectory", "--trajectory", Value::Null),
+        ("/configuration/body", "--body", Value::Null),
         ("/configuration/mappers", "--mappers", Value::Null),
         ("/configuration/hold_out", "--hold-out", json!(10)),
         ("/grid/cell_m", "--grid", json!(0.05)),
         ("/configuration/footprint_m", "--footprint", Value::Null),
+        ("/configuration/given_reach_m", "--reach", Value::Null),
         ("/configuration/min_range_m", "--min-range", Value::Null),
+        ("/configuration/given_max_range_m", "--max-range", Value::Null),
+        ("/configuration/damaged_share", "--damaged-share", Value::Null),
         ("/configuration/max_gap_s", "--max-gap", json!(1.0)),
         ("/configuration/every", "--every", json!(1)),
         ("/configuration/window_s", "--window", Value::Null),
@@ -137,6 +160,11 @@ fn drives() -> Vec<Typed> {
         ("/configuration/drives/threshold", "--plan-threshold", usual["threshold"].clone()),
         ("/configuration/drives/unknown", "--plan-unknown", usual["unknown"].clone()),
     ]
+}
+
+/// How pictures are made.
+fn pictures() -> Vec<Typed> {
+    vec![("/pictures/dpi", "--dpi", json!(Paper::default().dpi)), ("/pictures/width_mm", "--width", Value::Null)]
 }
 
 /// A value as it is typed. Where a file lay on a machine is nobody's business: of an absolute path the name remains.
@@ -187,5 +215,29 @@ mod tests {
         assert_eq!(of(score), "sightgrid score a.npy b.yaml --truth t.yaml --unknown skip");
         let replay = json!({"command": "replay", "grid": {"cell_m": 0.05}, "configuration": {"log": "fr.log", "window_s": [0.0, 9.5]}});
         assert_eq!(of(replay), "sightgrid replay fr.log --window 0.0,9.5");
+    }
+
+    #[test]
+    fn what_is_seldom_asked_for_is_told_too() {
+        let of = |record: Value| command_line(&record);
+        let pictures = json!({"svg": true, "dpi": 300, "width_mm": 178.0});
+        let score = json!({"command": "score", "pictures": pictures, "configuration": {
+            "maps": ["a.npy"], "truth": "room", "read_as": "raw", "row_order_top": true,
+            "place": {"cell_m": 0.1, "origin_m": [-1.0, 2.5], "yaw_rad": 0.0},
+        }});
+        assert_eq!(
+            of(score),
+            "sightgrid score a.npy --truth room --read-as raw --resolution 0.1 --dpi 300 --width 178.0 --origin -1.0,2.5,0.0 \
+             --row-order top --svg"
+        );
+        let replay = json!({"command": "replay", "grid": {"cell_m": 0.05}, "configuration": {
+            "log": "a.log", "trajectory": "a.tum", "body": "robot", "given_max_range_m": 40.0, "given_reach_m": 12.0, "damaged_share": 0.5,
+            "programs": [{"name": "own", "command": "./own", "timeout_s": 30.0}],
+        }});
+        assert_eq!(
+            of(replay),
+            "sightgrid replay a.log --trajectory a.tum --body robot --reach 12.0 --max-range 40.0 --damaged-share 0.5 \
+             --mapper own=./own --mapper-timeout 30"
+        );
     }
 }

@@ -13,7 +13,7 @@ use crate::output::args::number;
 use crate::output::digest;
 
 /// Longest time for a map where none is given, s.
-const TIMEOUT_S: f64 = 600.0;
+pub(crate) const TIMEOUT_S: f64 = 600.0;
 
 /// A week, s.
 const LONGEST_TIMEOUT_S: f64 = 604_800.0;

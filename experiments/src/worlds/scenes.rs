@@ -18,7 +18,7 @@ pub const SCENES: &str = "scenes";
 /// Folder of sweeps.
 pub const SWEEPS: &str = "experiments/sweeps";
 
-/// The scene of `check` and `estimate`.
+/// The scene of `estimate`.
 #[derive(Debug, Args)]
 pub struct SceneOptions {
     /// Scene or family of scenes: a name of `list`, or a file
@@ -49,6 +49,14 @@ pub(crate) fn scene() -> impl TypedValueParser<Value = PathBuf> {
 /// A sweep of the command line, as [`scene`] from the folder of sweeps.
 pub(crate) fn sweep() -> impl TypedValueParser<Value = PathBuf> {
     PathBufValueParser::new().map(|path| named(path, SWEEPS))
+}
+
+/// A scene or family as [`scene`]; where there is none of the name, a sweep as [`sweep`].
+pub(crate) fn described() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().map(|path| {
+        let [scene, sweep] = [SCENES, SWEEPS].map(|folder| named(path.clone(), folder));
+        if !strict::is_file(&scene) && strict::is_file(&sweep) { sweep } else { scene }
+    })
 }
 
 fn named(path: PathBuf, folder: &str) -> PathBuf {

@@ -91,6 +91,28 @@ impl Map {
         Self::new(Numbering::new(model.grid), unseen)
     }
 
+    /// `P(E_i)` of an unseen cell, and `P(E_i, E_j)` of two.
+    pub(super) fn of_unseen(&self) -> [f32; 2] {
+        [self.template().occupied[0], self.template().both[0][0]]
+    }
+
+    /// `P(E_i)` of cells from a number on, each `stride` behind the one before, in one patch.
+    #[inline(always)]
+    pub(super) fn line(&self, from: u32, stride: usize) -> Lanes<f32> {
+        let (tile, from) = split(from);
+        let occupied = &self.at(tile).occupied;
+        each(|k| occupied[from + k * stride])
+    }
+
+    /// Brings up to date what is known of the patches of a tile whose cells have moved.
+    #[inline(always)]
+    pub(super) fn summarise(&mut self, tile: usize) {
+        let tile = self.make(tile);
+        for patch in 0..TILE / PATCH {
+            tile.summaries[patch] = Summary::of(tile, patch * PATCH, Continuity::Kept);
+        }
+    }
+
     /// `P(E_i)`.
     #[inline(always)]
     pub(super) fn occupied(&self, cell: u32) -> f32 {

@@ -48,6 +48,19 @@ impl Numbering {
         self.tiles[0] * self.tiles[1]
     }
 
+    /// The tiles to the left, to the right, below and above a tile, where there are such.
+    pub(crate) fn beside(&self, tile: usize) -> [Option<usize>; 4] {
+        let [width, height] = self.tiles;
+        let (column, row) = (tile % width, tile / width);
+        let place = |is_there: bool, tile: usize| is_there.then_some(tile);
+        [
+            place(column > 0, tile.wrapping_sub(1)),
+            place(column + 1 < width, tile + 1),
+            place(row > 0, tile.wrapping_sub(width)),
+            place(row + 1 < height, tile + width),
+        ]
+    }
+
     /// Numbers of cells.
     #[inline(always)]
     pub(crate) fn lanes(&self, column: &Lanes<u32>, row: &Lanes<u32>) -> Lanes<u32> {
@@ -135,6 +148,17 @@ impl<T: Clone> Tiles<T> {
         self.tiles[tile].get().map_or(&self.unseen, |tile| tile)
     }
 
+    /// A tile as it is made.
+    pub(crate) fn template(&self) -> &T {
+        &self.unseen
+    }
+
+    /// Whether a tile was made.
+    #[inline(always)]
+    pub(crate) fn is_made(&self, tile: usize) -> bool {
+        self.tiles[tile].get().is_some()
+    }
+
     /// A tile to be changed, made where it is missing.
     #[inline(always)]
     pub(crate) fn make(&mut self, tile: usize) -> &mut T {
@@ -147,10 +171,20 @@ impl<T: Clone> Tiles<T> {
 
     /// A raster of the cells in a window of the grid that begins at the given column and row, by their values.
     pub(crate) fn raster<V>(&self, from: [usize; 2], window: GridSpec, value: impl Fn(&T, usize) -> V) -> Raster<V> {
+        self.raster_by_number(from, window, |tile, place| value(self.at(tile), place))
+    }
+
+    /// The same from the number of a cell's tile and its place in it.
+    pub(crate) fn raster_by_number<V>(
+        &self,
+        from: [usize; 2],
+        window: GridSpec,
+        value: impl Fn(usize, usize) -> V,
+    ) -> Raster<V> {
         let cells = (0..window.height).flat_map(|row| (0..window.width).map(move |column| (column, row)));
         let at = |(column, row)| {
             let (tile, place) = split(self.numbering.number(from[0] + column, from[1] + row));
-            value(self.at(tile), place)
+            value(tile, place)
         };
         Raster::new(window, cells.map(at).collect())
     }

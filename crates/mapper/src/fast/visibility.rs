@@ -1,5 +1,6 @@
 //! The mapper `visibility`, and its variants, fast.
 
+use std::borrow::Cow;
 use std::cell::OnceCell;
 use std::sync::Arc;
 
@@ -8,11 +9,13 @@ use sensor::{Ray, Scan};
 
 use crate::belief::lateral::Lateral;
 use crate::belief::prior::{Continuity, Prior};
+use crate::belief::renewal::Renewal;
 use crate::fast::inputs::Inputs;
 use crate::fast::map::Map;
+use crate::fast::renewal::Changes;
 use crate::fast::scan::{Workspace, select};
 use crate::mapper::{Mapper, Work};
-use crate::memory::Held as _;
+use crate::memory::Held;
 use crate::model::{Model, Sensors};
 use crate::pairs::grid::PairwiseGrid;
 use crate::pairs::reconcile::Reconciliation;
@@ -33,6 +36,8 @@ pub struct FastVisibility {
     onset: f64,
     reconciliation: Reconciliation,
     lateral: Option<(Lateral, Surfaces)>,
+    /// How places change; none of a world at rest.
+    changes: Option<Changes>,
     /// The map as others see it, made when it is asked for.
     occupancy: OnceCell<Raster<f64>>,
     cells: u64,
@@ -64,6 +69,12 @@ impl FastVisibility {
         Self { lateral: Some((lateral, surfaces)), ..Self::new(&Model { prior, ..model.clone() }, Continuity::Kept) }
     }
 
+    /// The paper's method in a world that changes: the time between scans passes for the places that they look at.
+    pub fn dynamic(model: &Model, renewal: Renewal) -> Self {
+        let visibility = Self::visibility(model);
+        Self { changes: Some(Changes::new(&visibility.map, renewal)), ..visibility }
+    }
+
     fn new(model: &Model, continuity: Continuity) -> Self {
         let map = Map::unseen(model);
         Self {
@@ -74,6 +85,7 @@ impl FastVisibility {
             onset: model.prior.onset(model.grid.cell_m),
             reconciliation: model.reconciliation,
             lateral: None,
+            changes: None,
             occupancy: OnceCell::new(),
             cells: 0,
             skipped: 0,
@@ -85,14 +97,25 @@ impl FastVisibility {
     /// # Panics
     /// If a joint is farther than 1e-6 from what its marginals allow: a defect, never a consequence of the readings.
     pub fn pairs(&self) -> PairwiseGrid {
-        self.map.pairs(self.continuity)
+        self.now().pairs(self.continuity)
+    }
+
+    /// The map at the time of the last scan.
+    fn now(&self) -> Cow<'_, Map> {
+        let Some(changes) = &self.changes else { return Cow::Borrowed(&self.map) };
+        let (mut map, mut changes) = (self.map.clone(), changes.clone());
+        changes.pass_everywhere(&mut map);
+        Cow::Owned(map)
     }
 
     /// The part of the map that readings have moved, as [`occupancy`](Mapper::occupancy) has it, up to a tile
     /// more on every side; none before the first. A world may be far larger than what is ever seen of it.
     pub fn seen(&self) -> Option<Raster<f64>> {
         let (from, window) = self.map.seen()?;
-        Some(self.map.raster(from, window, |tile, place| f64::from(tile.occupied[place])))
+        Some(match &self.changes {
+            None => self.map.raster(from, window, |tile, place| f64::from(tile.occupied[place])),
+            Some(changes) => changes.marginals(&self.map, from, window),
+        })
     }
 
     /// Takes a scan's rays on so many threads; the map does not depend on how many.
@@ -101,10 +124,17 @@ impl FastVisibility {
     pub fn integrate_on(&mut self, scan: &Scan, threads: usize) {
         let sensor = Arc::clone(self.sensors.of(scan));
         let rays: Vec<Ray> = scan.rays().filter(|ray| ray.reading.is_some()).collect();
+        if let Some(changes) = &mut self.changes {
+            changes.go_on(scan.time_s);
+            self.occupancy.take();
+        }
         let passes = rays.len().div_ceil(Self::MOST_RAYS);
         for pass in 0..passes {
             let rays = rays.iter().skip(pass).step_by(passes).copied().collect();
             let Some(selection) = select(self.map.numbering.spec(), &*sensor, rays, threads) else { continue };
+            if let Some(changes) = &mut self.changes {
+                changes.pass(&mut self.map, selection.rays());
+            }
             let rays = self.lateral.as_ref().filter(|(lateral, _)| lateral.rays);
             let spec = self.map.numbering.spec();
             let others = rays.map(|(_, surfaces)| BearingChain::new(&*sensor, selection.rays(), spec, surfaces));
@@ -125,6 +155,9 @@ impl FastVisibility {
                 Some(lateral) => self.workspace.reconcile_laterally(&mut self.map, lateral, hops),
                 None => self.workspace.reconcile(&mut self.map, self.continuity, self.reconciliation), // Eqs. (18)-(20)
             }
+            if let Some(changes) = &mut self.changes {
+                changes.adopt(&self.map);
+            }
             self.occupancy.take();
         }
     }
@@ -137,7 +170,10 @@ impl Mapper for FastVisibility {
     }
 
     fn occupancy(&self) -> &Raster<f64> {
-        self.occupancy.get_or_init(|| self.map.marginals())
+        self.occupancy.get_or_init(|| match &self.changes {
+            None => self.map.marginals(),
+            Some(changes) => changes.marginals(&self.map, [0, 0], *self.map.numbering.spec()),
+        })
     }
 
     fn pairwise(&self) -> Option<PairwiseGrid> {
@@ -148,6 +184,7 @@ impl Mapper for FastVisibility {
         Some(Box::new(Self {
             map: self.map.clone(),
             sensors: self.sensors.clone(),
+            changes: self.changes.clone(),
             occupancy: OnceCell::new(),
             workspace: Workspace::new(self.map.numbering),
             ..*self
@@ -157,7 +194,10 @@ impl Mapper for FastVisibility {
     fn work(&self) -> Work {
         Work {
             cells: self.cells + self.skipped,
-            bytes: self.map.held() + self.occupancy.held() + self.workspace.held(),
+            bytes: self.map.held()
+                + self.changes.as_ref().map_or(0, Held::held)
+                + self.occupancy.held()
+                + self.workspace.held(),
         }
     }
 

@@ -100,15 +100,23 @@ struct Steps {
 
 /// A tile of the map: 8.3 bytes per cell.
 #[derive(Clone)]
-struct Tile {
+pub(super) struct Tile {
     /// NaN in a cell that was never updated.
-    log_odds: [f64; TILE],
+    pub(super) log_odds: [f64; TILE],
     /// Cells that the scan has passed through so far, a bit to each, patch by patch, ...
     missed: [u64; PATCHES],
     /// ... and those that it has ended in.
     hit: [u64; PATCHES],
     /// Whether it has come to any of them.
     touched: bool,
+}
+
+impl Tile {
+    /// Places of the cells that the scan has come to so far.
+    pub(super) fn looked_at(&self) -> impl Iterator<Item = usize> + use<> {
+        let looked_at: [u64; PATCHES] = std::array::from_fn(|patch| self.missed[patch] | self.hit[patch]);
+        (0..TILE).filter(move |place| looked_at[place / PATCH] >> (place % PATCH) & 1 == 1)
+    }
 }
 
 /// Patches of a tile.
@@ -187,6 +195,27 @@ impl ConstantIncrements {
         }
     }
 
+    /// Takes a scan; `before` is given the number and the state of every tile that it has come to, before their cells are updated.
+    pub(super) fn integrate_after(&mut self, scan: &Scan, mut before: impl FnMut(usize, &mut Tile)) {
+        let sensor = std::sync::Arc::clone(self.sensors.of(scan));
+        for ray in scan.rays() {
+            if let Some((until_m, end)) = self.end(&*sensor, &ray) {
+                self.follow(&ray, until_m, end);
+            }
+        }
+        for number in self.touched.drain(..) {
+            let tile = self.map.make(number);
+            before(number, tile);
+            update(tile, self.steps);
+        }
+        self.occupancy.take();
+    }
+
+    /// The tiles of the map.
+    pub(super) fn tiles(&self) -> &Tiles<Tile> {
+        &self.map
+    }
+
     fn occupied(&self, tile: &Tile, place: usize) -> f64 {
         let log_odds = tile.log_odds[place];
         if log_odds.is_nan() { self.prior } else { from_log_odds(log_odds) }
@@ -250,16 +279,7 @@ fn update_cells(Tile { log_odds, missed, hit, touched }: &mut Tile, steps: Steps
 
 impl Mapper for ConstantIncrements {
     fn integrate(&mut self, scan: &Scan) {
-        let sensor = std::sync::Arc::clone(self.sensors.of(scan));
-        for ray in scan.rays() {
-            if let Some((until_m, end)) = self.end(&*sensor, &ray) {
-                self.follow(&ray, until_m, end);
-            }
-        }
-        for tile in self.touched.drain(..) {
-            update(self.map.make(tile), self.steps);
-        }
-        self.occupancy.take();
+        self.integrate_after(scan, |_, _| {});
     }
 
     fn occupancy(&self) -> &Raster<f64> {

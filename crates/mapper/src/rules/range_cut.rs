@@ -3,15 +3,13 @@
 //! There is no publication to cite: it is a setting of nearly every mapping program (`max_range` of a sensor plugin,
 //! `laser_max_range`, a pass-through filter on a point cloud).
 
-use grid::Raster;
 use sensor::{Scan, SensorModel};
 
 use crate::fit::{Candidate, Fit, Fitted, Setting, numbers};
-use crate::mapper::{Mapper, Outside, Work};
-use crate::memory::Held as _;
-use crate::model::{Model, Sensors};
-use crate::pairs::grid::PairwiseGrid;
+use crate::mapper::Mapper;
+use crate::model::Model;
 use crate::rules::conventional::Conventional;
+use crate::rules::shown::{Choice, Shown};
 
 /// Any mapper, shown only readings up to a range. O(rays) per scan besides what the mapper does.
 ///
@@ -19,75 +17,35 @@ use crate::rules::conventional::Conventional;
 /// the depth, so that a cut is the same disparity in every column, of a laser the range ([`sensor::InverseModel::range_of`] on the axis).
 /// A reading without one (disparity 0, a beam without echo) lies beyond every range. Programs differ in this: OctoMap, GMapping, Karto and MRPT clear such a ray up to the cut instead,
 /// which [`crate::LogOdds::max_range_m`] does.
-pub struct RangeCut {
-    inner: Box<dyn Mapper>,
-    sensors: Sensors,
+pub type RangeCut = Shown<UpTo>;
+
+/// Readings up to a range.
+#[derive(Debug, Clone, Copy)]
+pub struct UpTo {
     max_range_m: f64,
-    shown: Scan,
 }
 
 impl RangeCut {
     /// A mapper of the model's sensors, shown readings up to `max_range_m` (m).
     pub fn new(inner: Box<dyn Mapper>, model: &Model, max_range_m: f64) -> Self {
-        Self { inner, sensors: model.sensors.clone(), max_range_m, shown: Scan::default() }
+        Self::of(inner, model, UpTo { max_range_m })
+    }
+}
+
+impl Choice for UpTo {
+    fn choose(&mut self, sensor: &dyn SensorModel, scan: &Scan, readings: &mut Vec<Option<f64>>) {
+        let near = |reading: &f64| within(sensor, *reading, self.max_range_m);
+        readings.extend(scan.readings.iter().map(|reading| reading.filter(near)));
+    }
+
+    fn leaves_out(&self) -> bool {
+        true
     }
 }
 
 /// Whether what a reading stands for lies within a range (m).
 fn within(sensor: &dyn SensorModel, reading: f64, max_range_m: f64) -> bool {
     sensor.range_of(reading, 0.0).is_some_and(|range| range <= max_range_m)
-}
-
-impl Mapper for RangeCut {
-    fn integrate(&mut self, scan: &Scan) {
-        let sensor = &**self.sensors.of(scan);
-        self.shown.clone_from(scan);
-        for reading in &mut self.shown.readings {
-            *reading = reading.filter(|reading| within(sensor, *reading, self.max_range_m));
-        }
-        self.inner.integrate(&self.shown);
-    }
-
-    fn settle(&mut self) {
-        self.inner.settle();
-    }
-
-    fn occupancy(&self) -> &Raster<f64> {
-        self.inner.occupancy()
-    }
-
-    fn pairwise(&self) -> Option<PairwiseGrid> {
-        self.inner.pairwise()
-    }
-
-    /// Of all readings: the cut is a rule for mapping, and no excuse from predicting.
-    fn evidence(&self, scan: &Scan) -> Option<f64> {
-        self.inner.evidence(scan)
-    }
-
-    fn fork(&self) -> Option<Box<dyn Mapper>> {
-        let inner = self.inner.fork()?;
-        let (sensors, shown) = (self.sensors.clone(), Scan::default());
-        Some(Box::new(Self { inner, sensors, max_range_m: self.max_range_m, shown }))
-    }
-
-    fn work(&self) -> Work {
-        let scan = self.shown.readings.held() + self.shown.bearings_rad.held();
-        let Work { cells, bytes } = self.inner.work();
-        Work { cells, bytes: bytes + scan }
-    }
-
-    fn skipped(&self) -> u64 {
-        self.inner.skipped()
-    }
-
-    fn leaves_out(&self) -> bool {
-        true
-    }
-
-    fn outside(&self) -> Option<&Outside> {
-        self.inner.outside()
-    }
 }
 
 /// The conventional rule of the paper with readings up to a range.
@@ -135,6 +93,7 @@ impl Fitted for ConventionalCut {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::Sensors;
     use grid::GridSpec;
     use proptest::prelude::*;
     use sensor::{Laser, Pose, Stereo};

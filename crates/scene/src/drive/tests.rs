@@ -164,3 +164,28 @@ fn a_drive_among_people_ends_within_hours() {
     let message = drive(&scene).expect_err("too long").to_string();
     assert!(message.ends_with(expected), "{message}");
 }
+
+/// A chair in a corner, far from everybody's way.
+const FAR_CHAIR: &str = "[[chair]]\ncenter = [0.3, 3.7]\nradius = 0.1\nmoves = [{ at_s = 5.0, to_m = [0.3, 3.4] }]\n";
+
+#[test]
+fn what_moves_far_away_changes_no_drive() {
+    let alone = drive(&scene(ROUTE)).expect("a free way");
+    let among = drive(&scene(&format!("{ROUTE}{FAR_CHAIR}"))).expect("a free way");
+    assert_eq!((alone.poses.len(), &alone.stage_ends), (among.poses.len(), &among.stage_ends));
+    for (a, b) in alone.poses.iter().zip(&among.poses) {
+        assert!((a.time_s - b.time_s).abs() < 1e-6, "{} {}", a.time_s, b.time_s);
+        assert!(distance(a.pose.position_m(), b.pose.position_m()) < 1e-4, "{a:?} {b:?}");
+        assert!((a.pose.theta_rad - b.pose.theta_rad).abs() < 1e-6, "{a:?} {b:?}");
+    }
+    assert!(alone.motion.is_empty() && alone.motion.shapes_at(0).next().is_none());
+    assert_eq!((among.motion.len(), among.motion.names().next()), (1, Some("chair 1 (line 15)".to_owned())));
+}
+
+#[test]
+fn obstacles_block_a_drive_among_things_as_they_block_any() {
+    for (obstacle, _) in IN_THE_WAY {
+        let alone = refusal(&format!("{ROUTE}{obstacle}"));
+        assert_eq!(alone, refusal(&format!("{ROUTE}{obstacle}{FAR_CHAIR}")));
+    }
+}

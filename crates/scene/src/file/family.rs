@@ -4,7 +4,7 @@ use std::path::Path;
 
 use strict::{Error, Limit, Table, open};
 
-use super::findings::{Findings, first};
+use super::findings::Findings;
 use super::limits::{CLEARANCE, COVERED, OBSTACLE, OPENING, PACE, PEOPLE, SHARE, SIDE, SPREAD, THICKNESS};
 use super::{camera, cells};
 use crate::generate::people::PEOPLE_M_S;
@@ -53,7 +53,7 @@ impl Family {
     /// # Errors
     /// The first problem with the text.
     pub fn parse(text: &str, path: &Path) -> Result<Self, SceneError> {
-        Self::examine(text, path).map_err(first)
+        Self::examine(text, path).map_err(strict::first)
     }
 
     /// As [`parse`](Self::parse), for those who would rather mend all of a file at once.

@@ -15,11 +15,12 @@ use super::rows::{self, Rows};
 use super::{document, outputs, showcase, tables};
 use crate::failure::Failure;
 use crate::figures::Paper;
-use crate::output::args::{CutOption, Format, ThreadsOption};
+use crate::output::args::{CutOption, Format, OpenOption, ThreadsOption};
 use crate::output::ledger::RECORD;
 use crate::page::{self, Folder};
 use crate::programs::options::{ProgramOptions, ProgramRecord};
 use crate::worlds::drives::DriveOptions;
+use crate::worlds::ranked::SortOption;
 
 /// What the page of a comparison needs of its record.
 #[derive(Deserialize)]
@@ -98,6 +99,8 @@ fn plan(folder: &Folder, made: Configuration) -> Result<Plan, Failure> {
         out: None,
         paper: Paper::default(),
         format: Format::Text,
+        order: SortOption::default(),
+        open: OpenOption::default(),
         threads: ThreadsOption::default(),
     };
     // Programs as they were: their files may have changed since.

@@ -8,7 +8,8 @@ use serde_json::Value;
 use super::answer::answer;
 use super::figures::CAPTIONS;
 use super::plan::Plan;
-use super::rows::Rows;
+use super::repeats::Readings;
+use super::rows::{Repeat, Rows};
 use super::sheets::{self, ALL, OBSERVABLE, Width};
 use super::worlds::{self, WorldScore};
 use crate::failure::Failure;
@@ -57,9 +58,15 @@ pub fn sections(plan: &Plan, rows: &Rows, pictures: &[Picture]) -> Vec<Section> 
     }
     if !rows.repeats.is_empty() {
         let mut again: Vec<Part> = picture("repeats.png").into_iter().collect();
-        again.push(Part::Sheet(sheets::repeats(rows, &mappers, "Log loss, nats/cell,", 3, |r| r.log_loss)));
-        again.push(Part::Sheet(sheets::repeats(rows, &mappers, "Share of free space held free", 3, |r| r.free_known)));
-        again.push(Part::Sheet(sheets::repeats(rows, &mappers, "Phantom area, m²,", 2, |r| r.phantom_area)));
+        let mut sheet = |readings, title, decimals, of: fn(&Repeat) -> Option<f64>| {
+            again.push(Part::Sheet(sheets::repeats(rows, readings, &mappers, title, decimals, of)));
+        };
+        sheet(Readings::Same, "Log loss, nats/cell,", 3, |r| r.log_loss);
+        sheet(Readings::Same, "Share of free space held free", 3, |r| r.free_known);
+        sheet(Readings::Same, "Phantom area, m²,", 2, |r| r.phantom_area);
+        sheet(Readings::Standing, "Log loss, nats/cell,", 3, |r| r.log_loss);
+        sheet(Readings::Standing, "Share of free space held free", 3, |r| r.free_known);
+        sheet(Readings::Fresh, "Log loss, nats/cell,", 3, |r| r.log_loss);
         sections.push(section("The same scan again and again", AGAIN, again));
     }
     sections

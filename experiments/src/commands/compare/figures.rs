@@ -7,6 +7,7 @@ use score::PROBABILITY_EDGES;
 
 use super::findings::Findings;
 use super::judgement::Scope;
+use super::repeats::Readings;
 use super::rows::{Repeat, Rows};
 use super::sheets::repeat_counts;
 use super::tables::{COVARIATES, maps};
@@ -147,7 +148,9 @@ pub fn repeats(rows: &Rows, mappers: &[&str], paper: &Paper) -> Drawing {
 /// The mean after so many repeats; the scans of a world are one draw.
 fn repeated(rows: &Rows, mapper: &str, count: usize, of: fn(&Repeat) -> Option<f64>) -> Option<Estimate> {
     let mut worlds: BTreeMap<(&str, u64), (f64, f64)> = BTreeMap::new();
-    for row in rows.repeats.iter().filter(|row| row.mapper == mapper && row.repeats == count) {
+    for row in
+        rows.repeats.iter().filter(|row| row.readings == Readings::Same && row.mapper == mapper && row.repeats == count)
+    {
         if let Some(value) = of(row) {
             let world = worlds.entry((&row.family, row.seed)).or_default();
             *world = (world.0 + value, world.1 + 1.0);

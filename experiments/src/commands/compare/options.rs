@@ -6,10 +6,11 @@ use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 
 use crate::figures::Paper;
-use crate::output::args::{CutOption, Format, PriorOptions, ThreadsOption, count, trimmed};
+use crate::output::args::{CutOption, Format, OpenOption, PriorOptions, ThreadsOption, count, trimmed};
 use crate::programs::options::ProgramOptions;
 use crate::worlds::condition::departures;
 use crate::worlds::drives::DriveOptions;
+use crate::worlds::ranked::SortOption;
 use crate::worlds::scenes::{FAMILIES, scene};
 
 /// Options of `compare`.
@@ -36,7 +37,7 @@ pub struct CompareOptions {
     /// Batch mappers run on the first N of them only [default: a third]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(0..=10_000))]
     pub batch_seeds: Option<u32>,
-    /// Mappers, comma-separated; visibility, which all are compared with, must be among them [default: all but some as published of which there are fitted ones, see `list`]
+    /// Mappers, comma-separated; visibility, which all are compared with, must be among them [default: all but some as published of which there are fitted ones, and those for a world that moves, see `list`]
     #[arg(long, value_name = "A,B", value_delimiter = ',', value_parser = trimmed)]
     pub mappers: Vec<String>,
     /// Programs of one's own that are compared too
@@ -63,6 +64,12 @@ pub struct CompareOptions {
     /// Form of the table on stdout; csv and json give all differences
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
+    /// How rows are ordered
+    #[command(flatten)]
+    pub order: SortOption,
+    /// Whether the page is shown
+    #[command(flatten)]
+    pub open: OpenOption,
     /// How many threads work
     #[command(flatten)]
     pub threads: ThreadsOption,

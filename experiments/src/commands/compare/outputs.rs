@@ -25,6 +25,9 @@ use crate::worlds::drives::DriveOptions;
 pub struct Parts {
     configuration: Configuration,
     claims: Vec<Claim>,
+    /// How pictures were made, where that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pictures: Option<Paper>,
 }
 
 #[derive(Debug, Serialize)]
@@ -65,7 +68,7 @@ pub fn record(plan: &Plan) -> Record<Parts> {
         repeats: plan.repeats.clone(),
         repeated_scans: plan.repeated_scans,
     };
-    Record::new("compare", Parts { configuration, claims: Vec::new() })
+    Record::new("compare", Parts { configuration, claims: Vec::new(), pictures: None })
 }
 
 /// The tables as their files hold them.
@@ -142,6 +145,7 @@ pub fn write(
     let markdown = document::markdown(plan, claims, &document::sections(plan, rows, &pictures));
     staging.write("summary.md", |out| out.write_all(markdown.as_bytes()))?;
     record.parts.claims.clone_from(claims);
+    record.parts.pictures = paper.asked();
     plan.programs.iter().try_for_each(|program| page::kept::save(staging, &viewer, &program.name))?;
     let json = record.json(&staging.files_and(&["report.html", RECORD]))?;
     let scores: Vec<Vec<_>> =

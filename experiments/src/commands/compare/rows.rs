@@ -3,6 +3,7 @@
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
+use super::repeats::Readings;
 use crate::failure::Failure;
 use crate::output::table::Table;
 
@@ -42,6 +43,7 @@ pub struct Difference {
 pub struct Repeat {
     pub family: String,
     pub seed: u64,
+    pub readings: Readings,
     pub mapper: String,
     pub repeats: usize,
     pub log_loss: Option<f64>,

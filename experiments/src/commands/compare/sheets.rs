@@ -4,6 +4,7 @@ use score::navigation::Navigation;
 use score::{MovingRegion, Region};
 
 use super::plan::REFERENCE;
+use super::repeats::Readings;
 use super::rows::{Difference, Repeat, Rows};
 use crate::page::{Cell, Sheet, Tone};
 use crate::worlds::criteria::{CRITERIA, Criterion, criterion};
@@ -197,16 +198,28 @@ pub fn ablations(rows: &Rows, mappers: &[&str]) -> Sheet {
 }
 
 /// Mean over worlds and scans of one number, a column per number of repeats.
-pub fn repeats(rows: &Rows, mappers: &[&str], title: &str, decimals: usize, of: fn(&Repeat) -> Option<f64>) -> Sheet {
+pub fn repeats(
+    rows: &Rows,
+    readings: Readings,
+    mappers: &[&str],
+    title: &str,
+    decimals: usize,
+    of: fn(&Repeat) -> Option<f64>,
+) -> Sheet {
     let counts = repeat_counts(rows);
     let repeated = mappers.iter().filter(|mapper| rows.repeats.iter().any(|r| r.mapper == **mapper));
     let row = |mapper: &&str| {
-        let values = counts.iter().map(|count| number(repeated_mean(rows, mapper, *count, of), decimals));
+        let values = counts.iter().map(|count| number(repeated_mean(rows, readings, mapper, *count, of), decimals));
         [Cell::from(*mapper)].into_iter().chain(values).collect()
     };
+    let after = match readings {
+        Readings::Same => "after the same scan so many times",
+        Readings::Standing => "after so many scans of a robot that stands: mismatches stay, noise is fresh",
+        Readings::Fresh => "after so many scans from one place, all of them fresh",
+    };
     Sheet {
-        caption: format!("{title} after the same scan so many times"),
-        note: "means over worlds and scans, over what the scan could see".to_owned(),
+        caption: format!("{title} {after}"),
+        note: "means over worlds and scans, over what the first scan could see".to_owned(),
         heads: ["mapper".to_owned()].into_iter().chain(counts.iter().map(|n| format!("{n} ×"))).collect(),
         rows: repeated.map(row).collect(),
     }
@@ -218,8 +231,15 @@ pub fn repeat_counts(rows: &Rows) -> Vec<usize> {
 }
 
 /// Mean over worlds and scans of a number after so many repeats.
-pub fn repeated_mean(rows: &Rows, mapper: &str, count: usize, of: fn(&Repeat) -> Option<f64>) -> Option<f64> {
-    let values = rows.repeats.iter().filter(|r| r.mapper == mapper && r.repeats == count).filter_map(of);
+pub fn repeated_mean(
+    rows: &Rows,
+    readings: Readings,
+    mapper: &str,
+    count: usize,
+    of: fn(&Repeat) -> Option<f64>,
+) -> Option<f64> {
+    let asked = |r: &&Repeat| r.readings == readings && r.mapper == mapper && r.repeats == count;
+    let values = rows.repeats.iter().filter(asked).filter_map(of);
     score::Summary::of(&values.collect::<Vec<_>>()).map(|summary| summary.mean)
 }
 

@@ -200,6 +200,7 @@ pub fn repeats(repeated: &[Repeated]) -> Table {
             ("family", &|r| json!(r.family)),
             ("seed", &|r| json!(r.seed)),
             ("scan", &|r| json!(r.scan)),
+            ("readings", &|r| json!(r.readings.name())),
             ("mapper", &|r| json!(r.mapper)),
             ("repeats", &|r| json!(r.repeats)),
             ("log_loss", &|r| optional(r.log_loss)),

@@ -2,42 +2,62 @@
 
 use std::fmt::Write as _;
 
+use mapper::catalogue::Kind;
+
 use super::plan::Plan;
 use super::rows::Rows;
-use super::sheets::{self, ALL, OBSERVABLE, Width};
-use crate::output::table::aligned;
+use super::sheets::{self as sheet, ALL, OBSERVABLE, Width};
 use crate::page::Sheet;
 use crate::worlds::claims::{self, Claim};
+use crate::worlds::ranked::{Head, SortOption, legend};
 
 /// Means and differences over all worlds, differences part by part, claims.
-pub fn summary(plan: &Plan, rows: &Rows, claims: &[Claim]) -> String {
-    let (mappers, parts) = (plan.names(), plan.parts());
+pub fn summary(plan: &Plan, rows: &Rows, claims: &[Claim], order: &SortOption) -> String {
     let mut text = format!("{}\n", plan.heading());
     text += &plan.batch_note().map_or_else(|| "\n".to_owned(), |note| format!("{note}\n\n"));
-    let mut shown = vec![sheets::means(rows, &mappers, ALL, OBSERVABLE)];
-    for metric in ["log_loss", "brier"] {
-        shown.push(sheets::differences(rows, &mappers, ALL, OBSERVABLE, metric, Width::Terminal));
+    // They ran on fewer worlds than the others.
+    let apart: Vec<&str> = match plan.batch_note() {
+        Some(_) => plan.mappers.iter().filter(|entry| entry.kind == Kind::Batch).map(|entry| entry.name).collect(),
+        None => Vec::new(),
+    };
+    for sheet in sheets(plan, rows) {
+        let _ = writeln!(text, "{}\n{}", sheet.caption, printed(&sheet, order, &apart));
     }
-    shown.extend(sheets::moved(rows, &mappers, Width::Terminal));
-    shown.extend(sheets::drives(rows, &mappers, Width::Terminal));
-    if parts.len() > 1 {
-        shown.push(sheets::parts(rows, &mappers, &parts, "log_loss", Width::Terminal));
-    }
-    for sheet in shown {
-        let _ = writeln!(text, "{}\n{}", sheet.caption, printed(&sheet));
-    }
+    text += &match legend(&text) {
+        "" => String::new(),
+        marks => format!("{marks}\n"),
+    };
     text + &claims::lines(claims)
 }
 
+/// The heads of all tables that are printed.
+pub fn heads(plan: &Plan) -> Vec<String> {
+    sheets(plan, &Rows::default()).into_iter().flat_map(|sheet| sheet.heads).collect()
+}
+
+fn sheets(plan: &Plan, rows: &Rows) -> Vec<Sheet> {
+    let (mappers, parts) = (plan.names(), plan.parts());
+    let mut shown = vec![sheet::means(rows, &mappers, ALL, OBSERVABLE)];
+    for metric in ["log_loss", "brier"] {
+        shown.push(sheet::differences(rows, &mappers, ALL, OBSERVABLE, metric, Width::Terminal));
+    }
+    shown.extend(sheet::moved(rows, &mappers, Width::Terminal));
+    shown.extend(sheet::drives(rows, &mappers, Width::Terminal));
+    if parts.len() > 1 {
+        shown.push(sheet::parts(rows, &mappers, &parts, "log_loss", Width::Terminal));
+    }
+    shown
+}
+
 /// A sheet in columns; heads of two words take two lines.
-fn printed(sheet: &Sheet) -> String {
+fn printed(sheet: &Sheet, order: &SortOption, apart: &[&str]) -> String {
     let narrow = |head: &String| match head.chars().count() {
         0..=10 => head.replacen([' ', '-'], "\n", 1),
         _ => head.clone(),
     };
     let heads: Vec<String> = sheet.heads.iter().map(narrow).collect();
-    let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
+    let heads: Vec<Head> = heads.iter().map(|head| Head::titled(head)).collect();
     let rows: Vec<Vec<String>> =
         sheet.rows.iter().map(|row| row.iter().map(|cell| cell.text.clone()).collect()).collect();
-    aligned(&heads, &rows)
+    order.ranked_but(&heads, &rows, apart)
 }

@@ -6,11 +6,11 @@ use std::path::Path;
 use mapper::catalogue::Entry;
 use scene::{SceneError, Set};
 use score::{FEWEST_PAIRS, Region};
-use strict::{Error, Limit, Table, Value, open, read};
+use strict::{Error, Findings, Limit, Table, Value, first, open, read};
 
 use super::source::GateSource;
 use crate::worlds::condition::{AS_BELIEVED, Condition, DEPARTURES};
-use crate::worlds::criteria::{CRITERIA, Criterion, criteria, criterion};
+use crate::worlds::criteria::{Criterion, criteria, criterion};
 use crate::worlds::scenes::FAMILIES;
 use crate::worlds::scenes::path_of;
 use crate::worlds::site::{MICROMETRES, WorldId};
@@ -135,94 +135,119 @@ pub(super) const GRID: Limit = Limit {
     remedy: "give the side of a cell such as 0.1, or leave it out for the scene's own",
 };
 
+type Found = Findings<SceneError>;
+
 /// Reads the file of the gates. `known` are the mappers there are.
 ///
 /// # Errors
-/// The first problem, with file, line and column; a family or scene that cannot be read.
-pub fn load(path: &Path, known: &[Entry]) -> Result<Gates, SceneError> {
-    parse(&read(path)?, &path.display().to_string(), known)
+/// All that is wrong with it, with file, line and column; families or scenes that cannot be read.
+pub fn load(path: &Path, known: &[Entry]) -> Result<Gates, Vec<SceneError>> {
+    examine(&read(path).map_err(|error| vec![error.into()])?, &path.display().to_string(), known)
 }
 
 /// Checks the text of a file of gates; `file` is what messages call it.
 ///
 /// # Errors
-/// As [`load`].
+/// The first problem; as [`load`].
 pub fn parse(text: &str, file: &str, known: &[Entry]) -> Result<Gates, SceneError> {
-    let (source, document) = open(text, file)?;
-    let root = Table::new(&source, "the gates", 0, document.get_ref());
-    root.only(&["gate"])?;
-    let mut gates = Gates { file: file.to_owned(), gates: Vec::new(), sites: BTreeMap::new() };
-    for table in root.list("gate")? {
-        let gate = gate(&table, known, &mut gates.sites)?;
-        if gates.gates.iter().any(|other| other.name == gate.name) {
-            return Err(refuse(&table, "name", "a name that no gate above has", "choose another").into());
-        }
-        gates.gates.push(gate);
-    }
-    if gates.gates.is_empty() {
-        return Err(root.missing("[[gate]]", "[[gate]] with name, mapper, metric and a bound").into());
-    }
-    Ok(gates)
+    examine(text, file, known).map_err(first)
 }
 
-fn gate(table: &Table, known: &[Entry], sites: &mut BTreeMap<String, GateSource>) -> Result<Gate, SceneError> {
-    table.only(&KEYS)?;
-    let name = table.name("name")?;
+/// As [`parse`].
+///
+/// # Errors
+/// Every problem but those that follow from another; as [`load`].
+pub fn examine(text: &str, file: &str, known: &[Entry]) -> Result<Gates, Vec<SceneError>> {
+    let (source, document) = open(text, file).map_err(|error| vec![error.into()])?;
+    let root = Table::new(&source, "the gates", 0, document.get_ref());
+    let mut found = Found::default();
+    let gates = checked(&root, file, known, &mut found);
+    found.or(gates)
+}
+
+fn checked(root: &Table, file: &str, known: &[Entry], found: &mut Found) -> Option<Gates> {
+    found.only(root, &["gate"]);
+    let tables = found.take(root.list("gate"))?;
+    if tables.is_empty() {
+        found.add(root.missing("[[gate]]", "[[gate]] with name, mapper, metric and a bound"));
+    }
+    let mut gates = Gates { file: file.to_owned(), gates: Vec::new(), sites: BTreeMap::new() };
+    let mut names: Vec<String> = Vec::new();
+    for table in &tables {
+        found.only(table, &KEYS);
+        let name = found.take(table.name("name"));
+        if name.as_ref().is_some_and(|name| names.contains(name)) {
+            found.add(refuse(table, "name", "a name that no gate above has", "choose another"));
+        }
+        names.extend(name.clone());
+        gates.gates.extend(gate(table, name, known, &mut gates.sites, found));
+    }
+    Some(gates)
+}
+
+fn gate(
+    table: &Table,
+    name: Option<String>,
+    known: &[Entry],
+    sites: &mut BTreeMap<String, GateSource>,
+    found: &mut Found,
+) -> Option<Gate> {
     let mappers: Vec<&str> = known.iter().map(|entry| entry.name).collect();
-    let mapper = one_of(table, "mapper", &mappers, None)?;
+    let mapper = found.take(one_of(table, "mapper", &mappers, None));
     let metrics: Vec<&str> = criteria().map(|criterion| criterion.metric).collect();
-    let metric = one_of(table, "metric", &metrics, None)?;
-    let criterion = criterion(metric).unwrap_or(&CRITERIA[0]); // found: it is one of them
-    let (worlds, regions) = worlds(table, sites)?;
-    let regions: Vec<&str> = regions.iter().map(String::as_str).collect();
-    if !regions.contains(&criterion.region.unwrap_or(Region::Observable.name())) {
-        let bound = "a metric of worlds at rest, since nothing moves here but the robot";
-        let remedy = "name a scene or families with things that move, such as corridor-people";
-        return Err(refuse(table, "metric", bound, remedy).into());
-    }
-    let usual = criterion.region.unwrap_or(Region::Observable.name());
-    let region = one_of(table, "region", &regions, Some(usual))?;
-    if !criterion.is_of(region) {
-        let of = if usual == Region::All.name() { "of the whole world" } else { "of that region alone" };
-        let bound = format!("left out or {usual:?} with {metric}, which is {of}");
-        return Err(refuse(table, "region", &bound, "leave it out").into());
-    }
-    let demand = demand(table, &mappers, mapper, criterion)?;
-    let paired = matches!(demand, Demand::NotWorseThanBaselineBy(_) | Demand::BetterThan { .. });
-    if paired && worlds.len() < FEWEST_PAIRS {
+    let criterion = found.take(one_of(table, "metric", &metrics, None)).and_then(criterion);
+    let placed = worlds(table, sites, found);
+    let region = criterion.zip(placed.as_ref()).and_then(|(criterion, (_, regions))| {
+        let regions: Vec<&str> = regions.iter().map(String::as_str).collect();
+        let usual = criterion.region.unwrap_or(Region::Observable.name());
+        if !regions.contains(&usual) {
+            let bound = "a metric of worlds at rest, since nothing moves here but the robot";
+            let remedy = "name a scene or families with things that move, such as corridor-people";
+            found.add(refuse(table, "metric", bound, remedy));
+            return None;
+        }
+        let region = found.take(one_of(table, "region", &regions, Some(usual)))?;
+        if !criterion.is_of(region) {
+            let of = if usual == Region::All.name() { "of the whole world" } else { "of that region alone" };
+            let bound = format!("left out or {usual:?} with {}, which is {of}", criterion.metric);
+            found.add(refuse(table, "region", &bound, "leave it out"));
+        }
+        Some(region.to_owned())
+    });
+    let demand = demand(table, &mappers, mapper, criterion, found);
+    let paired = matches!(demand, Some(Demand::NotWorseThanBaselineBy(_) | Demand::BetterThan { .. }));
+    if let Some((worlds, _)) = placed.as_ref().filter(|(worlds, _)| paired && worlds.len() < FEWEST_PAIRS) {
         let bound = format!("at least {FEWEST_PAIRS} worlds to pair, not {}", worlds.len());
-        return Err(refuse(table, "seeds", &bound, "raise seeds, or bound the mean with at_most or at_least").into());
+        found.add(refuse(table, "seeds", &bound, "raise seeds, or bound the mean with at_most or at_least"));
     }
-    Ok(Gate { name, mapper: mapper.to_owned(), criterion, region: region.to_owned(), worlds, demand })
+    Some(Gate {
+        name: name?,
+        mapper: mapper?.to_owned(),
+        criterion: criterion?,
+        region: region?,
+        worlds: placed?.0,
+        demand: demand?,
+    })
 }
 
 /// The worlds of a gate, and the regions that all of them have.
-fn worlds(table: &Table, sites: &mut BTreeMap<String, GateSource>) -> Result<(Vec<WorldId>, Vec<String>), SceneError> {
-    let count = table.optional_whole("seeds", &MOST_SEEDS)?.unwrap_or(SEEDS);
-    let cell_um = table.optional_number("grid", &GRID)?.map(|cell_m| (cell_m * MICROMETRES).round() as u32);
+fn worlds(
+    table: &Table,
+    sites: &mut BTreeMap<String, GateSource>,
+    found: &mut Found,
+) -> Option<(Vec<WorldId>, Vec<String>)> {
+    let count = found.take(table.optional_whole("seeds", &MOST_SEEDS));
+    let cell_m = found.take(table.optional_number("grid", &GRID));
     let sets = ["test", "robustness", "tuning"];
-    let set = one_of(table, "set", &sets, Some("test"))?;
-    let (set, conditions): (Set, &[Condition]) = match set {
+    let set = found.take(one_of(table, "set", &sets, Some("test")));
+    let names = places(table, sites, found);
+    let (set, conditions): (Set, &[Condition]) = match set? {
         "robustness" => (Set::Robustness, &DEPARTURES),
         "tuning" => (Set::Tuning, &[AS_BELIEVED]),
         _ => (Set::Test, &[AS_BELIEVED]),
     };
-    let mut names = Vec::new();
-    if table.get("scene").is_some() {
-        if let Some(key) = ["families", "set"].into_iter().find(|key| table.get(key).is_some()) {
-            return Err(refuse(table, key, "left out beside `scene`", "a scene has neither layouts nor sets").into());
-        }
-        let (text, value) = one_text(table, "scene")?;
-        names.push(site(table, "scene", (text, Some(value)), sites, GateSource::scene)?);
-    } else {
-        for (family, value) in families(table)? {
-            let name = site(table, "families", (&family, value), sites, GateSource::family)?;
-            if names.contains(&name) {
-                return Err(refuse(table, "families", "different families", "name each once").into());
-            }
-            names.push(name);
-        }
-    }
+    let (names, count) = (names?, count?.unwrap_or(SEEDS));
+    let cell_um = cell_m?.map(|cell_m| (cell_m * MICROMETRES).round() as u32);
     let mut worlds = Vec::new();
     for family in &names {
         for condition in conditions {
@@ -234,7 +259,29 @@ fn worlds(table: &Table, sites: &mut BTreeMap<String, GateSource>) -> Result<(Ve
     let of_all = |region: &&str| names.iter().all(|name| sites[name].regions().contains(region));
     let regions =
         names.first().map(|name| sites[name].regions().into_iter().filter(of_all).map(str::to_owned).collect());
-    Ok((worlds, regions.unwrap_or_default()))
+    Some((worlds, regions.unwrap_or_default()))
+}
+
+/// The names of the scene or families; none where one of them cannot be read.
+fn places(table: &Table, sites: &mut BTreeMap<String, GateSource>, found: &mut Found) -> Option<Vec<String>> {
+    if table.get("scene").is_some() {
+        for key in ["families", "set"].into_iter().filter(|key| table.get(key).is_some()) {
+            found.add(refuse(table, key, "left out beside `scene`", "a scene has neither layouts nor sets"));
+        }
+        let (text, value) = found.take(one_text(table, "scene"))?;
+        return Some(vec![found.take(site(table, "scene", (text, Some(value)), sites, GateSource::scene))?]);
+    }
+    let (mut names, mut all) = (Vec::new(), true);
+    for (family, value) in found.take(families(table))? {
+        match found.take(site(table, "families", (&family, value), sites, GateSource::family)) {
+            Some(name) if names.contains(&name) => {
+                found.add(refuse(table, "families", "different families", "name each once"));
+            }
+            Some(name) => names.push(name),
+            None => all = false,
+        }
+    }
+    all.then_some(names)
 }
 
 type Text<'a, 'b> = (&'b str, Option<&'a Value<'a>>);
@@ -291,36 +338,41 @@ fn site(
     Ok(name)
 }
 
-fn demand(table: &Table, mappers: &[&str], mapper: &str, criterion: &Criterion) -> Result<Demand, Error> {
+fn demand(
+    table: &Table,
+    mappers: &[&str],
+    mapper: Option<&str>,
+    criterion: Option<&Criterion>,
+    found: &mut Found,
+) -> Option<Demand> {
     let given: Vec<&str> = DEMANDS.into_iter().filter(|key| table.get(key).is_some()).collect();
     let all = DEMANDS.join(", ");
     let &[key] = given.as_slice() else {
-        return Err(match given.last() {
+        found.add(match given.last() {
             Some(key) => refuse(table, key, &format!("the only one of {all}"), "make a gate of each"),
             None => table.missing("at_most", &format!("one of {all}")),
         });
+        return None;
     };
-    if matches!(key, "not_worse_than_baseline_by" | "better_than") && criterion.judged.is_none() {
+    let unjudged = criterion.filter(|criterion| criterion.judged.is_none());
+    if let Some(criterion) = unjudged.filter(|_| matches!(key, "not_worse_than_baseline_by" | "better_than")) {
         let bound = format!("left out with {}, of which neither more nor less is better", criterion.metric);
-        return Err(refuse(table, key, &bound, "bound it with at_most or at_least"));
+        found.add(refuse(table, key, &bound, "bound it with at_most or at_least"));
     }
     if key != "better_than" && table.get("by").is_some() {
-        return Err(refuse(
-            table,
-            "by",
-            "left out without better_than",
-            "it says by how much better the mapper must be",
-        ));
+        let remedy = "it says by how much better the mapper must be";
+        found.add(refuse(table, "by", "left out without better_than", remedy));
     }
-    Ok(match key {
-        "at_most" => Demand::AtMost(table.number(key, &BOUND)?),
-        "at_least" => Demand::AtLeast(table.number(key, &BOUND)?),
+    Some(match key {
+        "at_most" => Demand::AtMost(found.take(table.number(key, &BOUND))?),
+        "at_least" => Demand::AtLeast(found.take(table.number(key, &BOUND))?),
         "better_than" => {
-            let others: Vec<&str> = mappers.iter().copied().filter(|other| *other != mapper).collect();
-            let other = one_of(table, key, &others, None)?.to_owned();
-            Demand::BetterThan { mapper: other, by: table.optional_number("by", &MARGIN)?.unwrap_or(0.0) }
+            let others: Vec<&str> = mappers.iter().copied().filter(|other| Some(*other) != mapper).collect();
+            let other = found.take(one_of(table, key, &others, None));
+            let by = found.take(table.optional_number("by", &MARGIN))?.unwrap_or(0.0);
+            Demand::BetterThan { mapper: other?.to_owned(), by }
         }
-        _ => Demand::NotWorseThanBaselineBy(table.number(key, &MARGIN)?),
+        _ => Demand::NotWorseThanBaselineBy(found.take(table.number(key, &MARGIN))?),
     })
 }
 

@@ -9,10 +9,13 @@ use sensor::{Laser, SensorModel, Stereo};
 
 use crate::failure::Failure;
 use crate::figures::Paper;
-use crate::output::args::{FormatOption, Given, PriorOptions, ThreadsOption, count, positive, probability, trimmed};
+use crate::output::args::{
+    FormatOption, Given, OpenOption, PriorOptions, ThreadsOption, count, positive, probability, trimmed,
+};
 use crate::output::folder;
 use crate::programs::options::ProgramOptions;
 use crate::worlds::agreement::Spread;
+use crate::worlds::ranked::SortOption;
 use crate::worlds::reading::{self, FanArgs};
 
 /// A sensor that mappers share.
@@ -20,6 +23,9 @@ pub(super) type Shared = Arc<dyn SensorModel>;
 
 /// Mappers where none are named: those that a robot would run, and what knows nothing.
 const MAPPERS: &str = "visibility,conventional,log-odds-octomap,log-odds-cartographer,prior";
+
+/// Share of damaged lines above which a log is refused.
+pub(super) const DAMAGED_SHARE: f64 = 0.05;
 
 /// Options of `replay`.
 #[derive(Debug, Args)]
@@ -77,7 +83,7 @@ pub struct ReplayOptions {
     #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = positive)]
     pub least_turn: Option<f64>,
     /// Share of damaged lines above which the log is refused
-    #[arg(long, value_name = "P", default_value_t = 0.05, allow_negative_numbers = true, value_parser = probability)]
+    #[arg(long, value_name = "P", default_value_t = DAMAGED_SHARE, allow_negative_numbers = true, value_parser = probability)]
     pub damaged_share: f64,
     /// Where the beams go
     #[command(flatten)]
@@ -100,6 +106,12 @@ pub struct ReplayOptions {
     /// How the table is printed
     #[command(flatten)]
     pub print: FormatOption,
+    /// How rows are ordered
+    #[command(flatten)]
+    pub order: SortOption,
+    /// Whether the page is shown
+    #[command(flatten)]
+    pub open: OpenOption,
     /// How many threads work
     #[command(flatten)]
     pub threads: ThreadsOption,

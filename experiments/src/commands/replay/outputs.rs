@@ -7,13 +7,13 @@ use grid::Raster;
 use logs::{Report, Sensor};
 use mapper::catalogue::Entry;
 use mapper::{Belief, Model};
-use score::SeriesMean;
+use score::{Better, SeriesMean};
 use serde_json::{Value, json};
 
 use super::extent::Survey;
 use super::figure;
 use super::mapping::Maps;
-use super::options::{LaserOptions, ReplayOptions, StereoOptions};
+use super::options::{Body, DAMAGED_SHARE, LaserOptions, ReplayOptions, StereoOptions};
 use super::predictions::{Prediction, Predictions};
 use super::recording::Recording;
 use super::viewed;
@@ -22,8 +22,9 @@ use crate::output;
 use crate::output::folder::Staging;
 use crate::output::ledger::RECORD;
 use crate::output::record::Record;
-use crate::output::table::{self, Table};
+use crate::output::table::Table;
 use crate::page::{self, Page, Part, Picture, Section, Sheet, Viewer};
+use crate::worlds::ranked::{Head, SortOption, legend};
 use crate::worlds::reading;
 
 /// All that there is to tell.
@@ -92,16 +93,20 @@ pub(super) fn write(staging: &mut Staging, recording: &Recording, told: &Told) -
             section("What is in the log", "", vec![Part::Sheet(Sheet::of("Counts", &counts(told)))]),
         ],
         configuration: serde_json::to_string_pretty(&configuration).map_err(Failure::internal)?,
-        command: page::command_line(
-            &json!({ "command": "replay", "configuration": configuration, "grid": told.setup.grid }),
-        ),
+        command: page::command_line(&json!({
+            "command": "replay", "configuration": configuration, "grid": told.setup.grid,
+            "pictures": told.options.paper.asked(),
+        })),
         files,
         ..Page::default()
     };
     let html = page::page(&page)?;
     staging.write("report.html", |out| out.write_all(html.as_bytes()))?;
     let findings = findings(told);
-    let parts = json!({ "configuration": configuration, "grid": told.setup.grid, "findings": findings });
+    let mut parts = json!({ "configuration": configuration, "grid": told.setup.grid, "findings": findings });
+    if let Some(pictures) = told.options.paper.asked() {
+        parts["pictures"] = json!(pictures);
+    }
     staging.record(&Record::new("replay", parts))
 }
 
@@ -184,7 +189,7 @@ fn configuration(told: &Told) -> Value {
             "max_disparity": max_disparity,
         }),
     };
-    json!({
+    let mut configuration = json!({
         "log": options.log.display().to_string(),
         "trajectory": options.trajectory.as_ref().and_then(|path| path.file_name()).map(|name| name.to_string_lossy()),
         "mappers": told.maps.maps.iter().map(|map| map.mapper).collect::<Vec<_>>(),
@@ -202,7 +207,23 @@ fn configuration(told: &Told) -> Value {
         "prior": setup.prior,
         "reconciliation": setup.reconciliation,
         "sensor": sensor,
-    })
+    });
+    // What is seldom asked for stands there where it was.
+    let rare = [
+        ("body", (options.body == Body::Robot).then(|| json!("robot"))),
+        ("given_max_range_m", options.max_range.map(|max_range_m| json!(max_range_m))),
+        ("given_reach_m", options.reach.map(|reach_m| json!(reach_m))),
+        (
+            "damaged_share",
+            (options.damaged_share.total_cmp(&DAMAGED_SHARE).is_ne()).then(|| json!(options.damaged_share)),
+        ),
+    ];
+    for (key, value) in rare {
+        if let Some(value) = value {
+            configuration[key] = value;
+        }
+    }
+    configuration
 }
 
 /// What is to be known of the log, and the largest steps in it.
@@ -285,12 +306,22 @@ pub(super) fn text(told: &Told) -> String {
         );
     }
     text.push('\n');
-    text += &scores(predictions);
+    text += &scores(predictions, &told.options.order);
     text
 }
 
+/// The heads of the scores, where maps are recalibrated or not. What a map predicts as it is has one name in both.
+pub(super) fn heads(is_fair: bool) -> Vec<Head<'static>> {
+    let loss = |title, name| [Head::of(title, name, Better::Lower), Head::plain("95 % interval")];
+    let scores = match is_fair {
+        true => [loss("recalibrated", "recalibrated_log_loss"), loss("plain", "predictive_log_loss")].concat(),
+        false => loss("nats/reading", "predictive_log_loss").to_vec(),
+    };
+    std::iter::once(Head::plain("mapper")).chain(scores).collect()
+}
+
 /// The scores as the terminal shows them.
-fn scores(predictions: &Predictions) -> String {
+fn scores(predictions: &Predictions, order: &SortOption) -> String {
     let baseline = &predictions.rows[predictions.baseline].name;
     let mean = |loss: SeriesMean| [format!("{:.3}", loss.mean), ends(loss.interval)];
     let is_fair = predictions.rows.iter().any(|row| row.fair.is_some());
@@ -299,11 +330,12 @@ fn scores(predictions: &Predictions) -> String {
         let fair = fair.into_iter().filter(|_| is_fair);
         [row.name.clone()].into_iter().chain(fair).chain(mean(row.plain.mean)).collect::<Vec<_>>()
     };
-    let heads: &[&str] = match is_fair {
-        true => &["mapper", "recalibrated", "95 % interval", "plain", "95 % interval"],
-        false => &["mapper", "nats/reading", "95 % interval"],
-    };
-    let mut text = table::aligned(heads, &predictions.rows.iter().map(loss).collect::<Vec<_>>());
+    let heads = heads(is_fair);
+    // What is asked for by the head that stands where maps are recalibrated, or where they are not.
+    let absent: &[&str] = if is_fair { &["nats/reading"] } else { &["plain", "recalibrated", "recalibrated_log_loss"] };
+    let order = &order.renamed(absent, "predictive_log_loss");
+    let mut text = order.ranked(&heads, &predictions.rows.iter().map(loss).collect::<Vec<_>>());
+    text += legend(&text);
     let difference = |row: &Prediction| {
         let loss = match &row.fair {
             Some(fair) => &fair.loss,
@@ -315,8 +347,11 @@ fn scores(predictions: &Predictions) -> String {
     };
     let differences: Vec<_> = predictions.others().filter_map(difference).collect();
     if !differences.is_empty() {
-        let heads = ["mapper", &format!("minus {baseline}"), "95 % interval", ""];
-        text += &format!("\n{}", table::aligned(&heads, &differences));
+        // In the order of what is subtracted from.
+        let minus = format!("minus {baseline}");
+        let minus = Head { title: &minus, name: heads[1].name, judged: None };
+        let heads = [Head::plain("mapper"), minus, Head::plain("95 % interval"), Head::plain("")];
+        text += &format!("\n{}", order.ranked(&heads, &differences));
     }
     let _ = write!(
         text,

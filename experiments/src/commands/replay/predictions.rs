@@ -69,6 +69,20 @@ pub(super) struct Fair {
     pub(super) by: [Recalibration; FOLDS],
 }
 
+/// The columns of the table of scores.
+pub(super) const COLUMNS: [&str; 10] = [
+    "mapper",
+    "readings",
+    "predictive_log_loss",
+    "low",
+    "high",
+    "recalibrated_log_loss",
+    "recalibrated_low",
+    "recalibrated_high",
+    "shift",
+    "slope",
+];
+
 impl Predictions {
     /// Predicts every reading of the scans kept back by every map, of a log with so many scans, every so-many-th of them kept back.
     pub(super) fn of(
@@ -166,6 +180,7 @@ impl Predictions {
                 ("slope", &|row| by(row.1, &|by| by.slope)),
             ],
         );
+        debug_assert_eq!(table.columns(), COLUMNS);
         if self.faults.is_empty() { table } else { table.and(&rows, &[("error", &|row| json!(row.2))]) }
     }
 

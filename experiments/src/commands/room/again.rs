@@ -13,10 +13,11 @@ use super::record::Parts;
 use super::{document, outputs};
 use crate::failure::Failure;
 use crate::figures::Paper;
-use crate::output::args::{CutOption, Format, PriorOptions, ThreadsOption};
+use crate::output::args::{CutOption, Format, OpenOption, PriorOptions, ThreadsOption};
 use crate::page::{self, Folder, ViewedWorld, Viewer};
 use crate::programs::options::{ProgramOptions, ProgramRecord};
 use crate::worlds::drives::DriveOptions;
+use crate::worlds::ranked::SortOption;
 use crate::worlds::run::Keep;
 
 /// What the page of a room needs of its record.
@@ -62,6 +63,8 @@ impl Made {
             out: None,
             paper: Paper::default(),
             format: Format::Text,
+            order: SortOption::default(),
+            open: OpenOption::default(),
             threads: ThreadsOption::default(),
         })
     }

@@ -5,9 +5,10 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::figures::Paper;
-use crate::output::args::{CutOption, Format, PriorOptions, ThreadsOption, count, positive, trimmed};
+use crate::output::args::{CutOption, Format, OpenOption, PriorOptions, ThreadsOption, count, positive, trimmed};
 use crate::programs::options::ProgramOptions;
 use crate::worlds::drives::DriveOptions;
+use crate::worlds::ranked::SortOption;
 use crate::worlds::scenes::scene;
 
 /// A million maps in one run is a sweep, not a table with a spread.
@@ -60,6 +61,12 @@ pub struct RoomOptions {
     /// Form of the table on stdout; csv and json give all metrics
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,
+    /// How rows are ordered
+    #[command(flatten)]
+    pub order: SortOption,
+    /// Whether the page is shown
+    #[command(flatten)]
+    pub open: OpenOption,
     /// How many threads work
     #[command(flatten)]
     pub threads: ThreadsOption,

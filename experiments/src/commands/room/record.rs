@@ -8,6 +8,7 @@ use sensor::Matcher;
 use serde::Serialize;
 
 use super::options::RoomOptions;
+use crate::figures::Paper;
 use crate::programs::options::ProgramRecord;
 use crate::worlds::claims::Claim;
 use crate::worlds::drives::DriveOptions;
@@ -26,6 +27,9 @@ pub(super) struct Parts {
     stages: Vec<Stage>,
     /// What was claimed and found.
     claims: Vec<Claim>,
+    /// How pictures were made, where that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pictures: Option<Paper>,
 }
 
 /// The merged configuration.
@@ -100,6 +104,7 @@ impl Parts {
             grid: ground.scene.grid,
             stages: stages.to_vec(),
             claims: claims.to_vec(),
+            pictures: options.paper.asked(),
         }
     }
 }

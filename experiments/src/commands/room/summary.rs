@@ -5,9 +5,9 @@ use std::fmt::Write as _;
 use score::Summary;
 use score::navigation::Planning;
 
-use crate::output::table::aligned;
 use crate::worlds::claims::{self, Claim};
 use crate::worlds::drives;
+use crate::worlds::ranked::{Head, SortOption, legend};
 use crate::worlds::run::{Ground, Stage, Trial};
 
 /// A column of a summary table: heading, metric, decimals.
@@ -53,8 +53,29 @@ const MOVEMENT: [(Column, &str); 7] = [
     (("cleared", "cleared_3", 2), "changed"),
 ];
 
+/// The heads of a table.
+fn heads_of<'a>(columns: impl IntoIterator<Item = &'a Column>) -> Vec<Head<'static>> {
+    let heads = columns.into_iter().map(|(title, metric, _)| Head::metric(title, metric));
+    std::iter::once(Head::plain("mapper")).chain(heads).collect()
+}
+
+/// The heads of all tables that are printed of a place.
+pub(super) fn heads(ground: &Ground) -> Vec<Head<'static>> {
+    let driven: &[&[Column]] = if ground.planning.pairs > 0 { &[&DRIVES, &FOOTPRINTS] } else { &[] };
+    let regions: &[&[Column]] = if ground.scene.regions.is_empty() { &[] } else { &[&REGION] };
+    let moved: &[(Column, &str)] = if ground.moves() { &MOVEMENT } else { &[] };
+    let shown = std::iter::once(&OBSERVABLE[..]).chain(driven.iter().copied()).chain(regions.iter().copied());
+    heads_of(moved.iter().map(|(column, _)| column)).into_iter().chain(shown.flat_map(heads_of)).collect()
+}
+
 /// Tables of the last stage over what was observable and in every named region, then the claims.
-pub(super) fn text(ground: &Ground, trials: &[Trial], stages: &[Stage], claims: &[Claim]) -> String {
+pub(super) fn text(
+    ground: &Ground,
+    trials: &[Trial],
+    stages: &[Stage],
+    claims: &[Claim],
+    order: &SortOption,
+) -> String {
     let mut text = String::new();
     let (Some(stage), Some(first)) = (stages.last(), trials.first()) else { return text };
     let last = stages.len() - 1;
@@ -75,7 +96,6 @@ pub(super) fn text(ground: &Ground, trials: &[Trial], stages: &[Stage], claims: 
     );
     let mut table = |title: &str, columns: &[(Column, &str)]| {
         let _ = writeln!(text, "Stage {}, {}: {title}", stage.name, stage.label);
-        let heads: Vec<&str> = ["mapper"].into_iter().chain(columns.iter().map(|(column, _)| column.0)).collect();
         let mut rows: Vec<Vec<String>> = Vec::new();
         for run in &first.runs {
             let cells = columns.iter().map(|((_, metric, decimals), region)| {
@@ -88,7 +108,7 @@ pub(super) fn text(ground: &Ground, trials: &[Trial], stages: &[Stage], claims: 
                 rows.push([String::new()].into_iter().chain(deviations).collect());
             }
         }
-        let _ = writeln!(text, "{}", aligned(&heads, &rows));
+        let _ = writeln!(text, "{}", order.ranked(&heads_of(columns.iter().map(|(column, _)| column)), &rows));
     };
     if ground.moves() {
         table("what has moved (areas in m², lag in looks)", &MOVEMENT);
@@ -104,7 +124,11 @@ pub(super) fn text(ground: &Ground, trials: &[Trial], stages: &[Stage], claims: 
     for region in &ground.scene.regions {
         section(&format!("free cells of region {}", region.name), &region.name, &REGION);
     }
-    text + &claims::lines(claims)
+    let marks = match legend(&text) {
+        "" => String::new(),
+        marks => format!("{marks}\n"),
+    };
+    text + &marks + &claims::lines(claims)
 }
 
 /// What is driven, in words.

@@ -32,10 +32,14 @@ pub(super) fn differences([own, first]: [&ScoredMap; 2]) -> Vec<Difference> {
     Navigation::METRICS.iter().chain(&Navigation::FOOTPRINT_METRICS).filter_map(difference).collect()
 }
 
+/// What is shown.
+pub(super) fn metrics() -> impl Iterator<Item = &'static Criterion> {
+    Navigation::METRICS.iter().chain(&FOUND).filter_map(|metric| criterion(metric))
+}
+
 /// A row per map, and what was driven in words; `value` is that of a map, a region and a metric.
 pub(super) fn sheet(maps: &[&str], worded: &str, value: &dyn Fn(&str, &str, &str) -> Option<f64>) -> Sheet {
-    let shown: Vec<&Criterion> =
-        Navigation::METRICS.iter().chain(&FOUND).filter_map(|metric| criterion(metric)).collect();
+    let shown: Vec<&Criterion> = metrics().collect();
     let row = |map: &&str| {
         let cell = |c: &&Criterion| {
             let value = value(map, c.region.unwrap_or(Region::All.name()), c.metric);

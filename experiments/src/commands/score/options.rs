@@ -10,6 +10,7 @@ use crate::figures::Paper;
 use crate::output::args::{FormatOption, ThreadsOption, number, positive, probability};
 use crate::worlds::drives::DriveOptions;
 use crate::worlds::map_file::{Origin, RowOrder, Shading, origin, side};
+use crate::worlds::ranked::SortOption;
 use crate::worlds::scenes::scene;
 
 /// Options of `score`.
@@ -73,6 +74,12 @@ pub struct ScoreOptions {
     /// How the table is printed
     #[command(flatten)]
     pub print: FormatOption,
+    /// How rows are ordered
+    #[command(flatten)]
+    pub order: SortOption,
+    /// Show the page in the browser when it is written
+    #[arg(long, requires = "out")]
+    pub open: bool,
     /// How many threads work
     #[command(flatten)]
     pub threads: ThreadsOption,

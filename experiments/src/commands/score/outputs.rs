@@ -3,6 +3,7 @@
 use std::io::Write as _;
 use std::path::PathBuf;
 
+use clap::ValueEnum as _;
 use grid::Raster;
 use serde_json::{Value, json};
 
@@ -66,13 +67,16 @@ pub(super) fn write(
     if let Some(viewed) = &viewed {
         staging.write(VIEWER, |out| out.write_all(viewed.as_bytes()))?;
     }
-    let parts = json!({
+    let mut parts = json!({
         "configuration": configuration(scored, truth, options),
         "grid": truth.frame,
         "truth": { "free": free, "occupied": occupied, "unknown": unknown },
         "shown": scored.shown,
         "driven": scored.drives.as_ref().map(Drives::worded),
     });
+    if let Some(pictures) = options.paper.asked() {
+        parts["pictures"] = json!(pictures);
+    }
     let record = Record::new("score", parts);
     let html = document::page(&record.json(&staging.files_and(&["report.html", RECORD]))?, &tables, pictures, viewed)?;
     staging.write("report.html", |out| out.write_all(html.as_bytes()))?;
@@ -103,7 +107,7 @@ fn pictures(
 /// What the scores were made from.
 fn configuration(scored: &Scored, truth: &Truth, options: &ScoreOptions) -> Value {
     let place = options.resolution.zip(options.origin);
-    json!({
+    let mut configuration = json!({
         "truth": options.truth.display().to_string(),
         "scans": options.scans.as_ref().map(|path| path.display().to_string()),
         "layout": options.layout,
@@ -120,5 +124,9 @@ fn configuration(scored: &Scored, truth: &Truth, options: &ScoreOptions) -> Valu
         "alignments": scored.maps.iter().map(|map| map.alignment.map(|(_, moved)| json!(moved))).collect::<Vec<_>>(),
         "row_order_top": options.row_order == Some(crate::worlds::map_file::RowOrder::Top),
         "place": place.map(|(cell_m, at)| json!({ "cell_m": cell_m, "origin_m": at.corner_m, "yaw_rad": at.yaw_rad })),
-    })
+    });
+    if let Some(shading) = options.read_as {
+        configuration["read_as"] = json!(shading.to_possible_value().map(|value| value.get_name().to_owned()));
+    }
+    configuration
 }

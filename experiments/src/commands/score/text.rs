@@ -9,9 +9,10 @@ use super::rows::{Difference, Row};
 use super::scored::Scored;
 use super::truth::Truth;
 use super::{alignment, driven};
-use crate::output::table::{aligned, width, wrapped};
+use crate::output::table::{width, wrapped};
 use crate::page::{Cell, Sheet};
 use crate::worlds::criteria::criterion;
+use crate::worlds::ranked::{Head, SortOption, legend};
 
 /// Columns of the terminal.
 fn columns() -> usize {
@@ -73,9 +74,8 @@ pub(super) fn text(scored: &Scored, truth: &Truth, options: &ScoreOptions) -> St
     }
     for region in &scored.shown {
         let _ = writeln!(text, "\n{} (areas in m²)", title(region));
-        let heads: Vec<&str> = ["map"].into_iter().chain(COLUMNS.iter().map(|column| column.0)).collect();
         let rows: Vec<Vec<String>> = scored.maps.iter().map(|map| row(&map.name, &map.rows, region)).collect();
-        text += &aligned(&heads, &rows);
+        text += &options.order.ranked(&scores(), &rows);
     }
     if let Some(drives) = &scored.drives {
         let maps: Vec<&str> = scored.maps.iter().map(|map| map.name.as_str()).collect();
@@ -83,24 +83,41 @@ pub(super) fn text(scored: &Scored, truth: &Truth, options: &ScoreOptions) -> St
             let of_map = scored.maps.iter().find(|scored| scored.name == map)?;
             find(&of_map.rows, region, metric)?.metric.value
         };
-        text += &driven(&driven::sheet(&maps, &drives.worded(), &value));
+        text += &driven(&driven::sheet(&maps, &drives.worded(), &value), &options.order);
     }
+    text += legend(&text);
     if scored.maps.len() > 1 {
-        text += &differences(&scored.differences, &scored.maps[0].name, &scored.shown[0], &Tiles::of(spec));
+        text +=
+            &differences(&scored.differences, &scored.maps[0].name, &scored.shown[0], &Tiles::of(spec), &options.order);
     }
     text
 }
 
+/// The heads of the scores.
+fn scores() -> Vec<Head<'static>> {
+    let columns = COLUMNS.iter().map(|(title, metric, _)| Head::metric(title, metric));
+    std::iter::once(Head::plain("map")).chain(columns).collect()
+}
+
+/// The heads of all tables that are printed.
+pub(super) fn heads(options: &ScoreOptions) -> Vec<Head<'static>> {
+    let driven = driven::metrics().filter(|_| options.drives.plan_pairs > 0).map(|c| Head::metric(c.title, c.metric));
+    scores().into_iter().chain(driven).chain(options.maps.get(1).map(|_| DIFFERENCE)).collect()
+}
+
+/// The differences from the first map.
+const DIFFERENCE: Head<'static> = Head::plain("difference");
+
 /// The table of drives.
-fn driven(sheet: &Sheet) -> String {
-    let heads: Vec<&str> = sheet.heads.iter().map(String::as_str).collect();
+fn driven(sheet: &Sheet, order: &SortOption) -> String {
+    let heads: Vec<Head> = sheet.heads.iter().map(|head| Head::titled(head)).collect();
     let cells = |row: &Vec<Cell>| {
         let mut cells: Vec<String> = row.iter().map(|cell| cell.text.clone()).collect();
         cells[0] = short(&cells[0]);
         cells
     };
     let rows: Vec<Vec<String>> = sheet.rows.iter().map(cells).collect();
-    format!("\n{}\n{}{}\n", sheet.caption, aligned(&heads, &rows), wrapped(&sheet.note, columns()).join("\n"))
+    format!("\n{}\n{}{}\n", sheet.caption, order.ranked(&heads, &rows), wrapped(&sheet.note, columns()).join("\n"))
 }
 
 /// Adds a paragraph in lines of the terminal's width, the second and later ones indented.
@@ -167,7 +184,7 @@ fn short(name: &str) -> String {
 }
 
 /// Maps minus the first map.
-fn differences(differences: &[Difference], baseline: &str, region: &str, tiles: &Tiles) -> String {
+fn differences(differences: &[Difference], baseline: &str, region: &str, tiles: &Tiles, order: &SortOption) -> String {
     let here = differences.iter().filter(|row| row.region == region && DIFFERENCES.contains(&row.metric));
     let row = |row: &Difference| {
         let (name, decimals) = criterion(row.metric).map_or((row.metric, 3), |c| (c.title, c.decimals));
@@ -184,7 +201,7 @@ fn differences(differences: &[Difference], baseline: &str, region: &str, tiles: 
     let rows: Vec<Vec<String>> = here.map(row).collect();
     let number = differences.iter().find(|row| row.region == region).map_or(0, |row| row.tiles);
     let mut text = format!("\n{}: minus {baseline}\n", title(region));
-    text += &aligned(&["map", "metric", "difference", "95 % interval", ""], &rows);
+    text += &order.ranked(&["map", "metric", DIFFERENCE.title, "95 % interval", ""].map(Head::plain), &rows);
     let note = format!(
         "Intervals: a bootstrap of {number} tiles of {:.2} m x {:.2} m of this one world.",
         tiles.side_m(),

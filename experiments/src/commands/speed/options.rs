@@ -9,6 +9,7 @@ use super::world::Known;
 use crate::figures::Paper;
 use crate::output::args::{FormatOption, count, positive, trimmed};
 use crate::programs::options::ProgramOptions;
+use crate::worlds::ranked::SortOption;
 
 /// Mappers that are measured where none are named: those that a robot would run, side by side with the ablations.
 pub(super) const MAPPERS: &str =
@@ -55,6 +56,9 @@ pub struct SpeedOptions {
     /// How the table is printed
     #[command(flatten)]
     pub print: FormatOption,
+    /// How rows are ordered
+    #[command(flatten)]
+    pub order: SortOption,
 }
 
 const FORM: &str = "\

@@ -1,12 +1,14 @@
 //! The table of speeds.
 
 use grid::GridSpec;
+use score::Better::{Higher, Lower};
 use serde_json::json;
 
 use super::measure::Speed;
 use super::scans::Visited;
 use super::world::Known;
-use crate::output::table::{Table, aligned, optional, rounded};
+use crate::output::table::{Table, optional, rounded};
+use crate::worlds::ranked::{Head, SortOption, legend};
 
 /// What was mapped, on what.
 #[derive(Debug, Clone)]
@@ -58,6 +60,7 @@ pub fn table(speeds: &[Speed], conditions: &Conditions) -> Table {
             ("processor", &|_| json!(conditions.processor)),
         ],
     );
+    debug_assert_eq!(table.columns(), COLUMNS);
     if speeds.iter().all(|speed| speed.outside.is_none()) {
         return table;
     }
@@ -65,8 +68,39 @@ pub fn table(speeds: &[Speed], conditions: &Conditions) -> Table {
     table.and(speeds, &[("process_s", &process), ("error", &|speed| json!(speed.fault()))])
 }
 
+/// The columns of [`table`] where no program takes part.
+pub const COLUMNS: [&str; 16] = [
+    "mapper",
+    "cells_visited",
+    "ns_per_cell",
+    "rays_per_s",
+    "scans_per_s",
+    "bytes_per_cell",
+    "cells_updated",
+    "cells_skipped",
+    "ns_per_cell_median",
+    "scans",
+    "rays",
+    "map_cells",
+    "cell_m",
+    "repeats",
+    "world",
+    "processor",
+];
+
+/// The heads of the table for reading.
+pub const HEADS: [Head; 7] = [
+    Head::plain("mapper"),
+    Head::of("ns/cell", "ns_per_cell", Lower),
+    Head::of("median", "ns_per_cell_median", Lower),
+    Head::of("rays/s", "rays_per_s", Higher),
+    Head::of("scans/s", "scans_per_s", Higher),
+    Head { title: "updated", name: "cells_updated", judged: None },
+    Head::of("B/cell", "bytes_per_cell", Lower),
+];
+
 /// The table for reading, at most 80 columns wide.
-pub fn text(speeds: &[Speed], conditions: &Conditions) -> String {
+pub fn text(speeds: &[Speed], conditions: &Conditions, order: &SortOption) -> String {
     let Conditions { source, scans, visited, grid, repeats, world, processor } = conditions;
     let rows: Vec<Vec<String>> = speeds
         .iter()
@@ -86,6 +120,7 @@ pub fn text(speeds: &[Speed], conditions: &Conditions) -> String {
             ]
         })
         .collect();
+    let ranked = order.ranked(&HEADS, &rows);
     let times = if *repeats == 1 { "mapped once".to_owned() } else { format!("best and median of {repeats} times") };
     let leaps = speeds.iter().filter(|speed| speed.skipped > 0).map(|speed| {
         let share = 100.0 * speed.skipped as f64 / speed.work.cells as f64;
@@ -101,7 +136,7 @@ pub fn text(speeds: &[Speed], conditions: &Conditions) -> String {
          One thread of {}; {times}\n{known}\n{}{}\n\
          A cell visited lies between the sensor and the end of a ray's range, both\nincluded, in four-connected steps: \
          the same number for every mapper. A mapper\nhas updated more where it goes on behind the range. B: bytes of map and \
-         working\nstate, per cell of the map.\n",
+         working\nstate, per cell of the map.\n{}",
         shortened(source, 73),
         short(*scans as u64),
         short(visited.rays),
@@ -110,8 +145,9 @@ pub fn text(speeds: &[Speed], conditions: &Conditions) -> String {
         grid.height,
         grid.cell_m,
         shortened(processor, 64 - times.len()),
-        aligned(&["mapper", "ns/cell", "median", "rays/s", "scans/s", "updated", "B/cell"], &rows),
+        ranked,
         leaps.collect::<String>(),
+        legend(&ranked),
     )
 }
 
@@ -178,7 +214,7 @@ mod tests {
     #[test]
     fn it_fits_eighty_columns_whatever_the_numbers() {
         let (speeds, conditions) = measured();
-        let text = text(&speeds, &conditions);
+        let text = text(&speeds, &conditions, &SortOption::default());
         assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
         assert!(text.contains("12,345M cells visited") && text.contains("..."), "{text}");
     }

@@ -8,10 +8,10 @@ use mapper::catalogue::MAPPERS;
 use scene::Set;
 use score::Region;
 use serde::Serialize;
-use strict::{Error, Limit, Table, Value as Node, open, read};
+use strict::{Error, Findings, Limit, Table, first, open, read};
 
 use self::values::{keys, list, paired, settings, values};
-use super::parameters::{PARAMETERS, Parameter, Settings, Value};
+use super::parameters::{PARAMETERS, Settings, Value};
 use super::regions;
 use crate::failure::Failure;
 use crate::programs::options::{ProgramOptions, ProgramRecord};
@@ -68,12 +68,14 @@ pub(super) const COUNT: Limit = Limit {
 /// More jobs than this are a mistake in a list.
 pub const MOST_JOBS: u64 = 10_000_000;
 
+type Found = Findings<Error>;
+
 /// Reads a sweep file.
 ///
 /// # Errors
-/// The first problem, with line and column.
-pub fn load(path: &Path) -> Result<Sweep, Error> {
-    parse(&read(path)?, &path.display().to_string())
+/// All that is wrong with it, with line and column.
+pub fn load(path: &Path) -> Result<Sweep, Vec<Error>> {
+    examine(&read(path).map_err(|error| vec![error])?, &path.display().to_string())
 }
 
 /// Checks the text of a sweep file; `file` is what messages call it.
@@ -81,46 +83,65 @@ pub fn load(path: &Path) -> Result<Sweep, Error> {
 /// # Errors
 /// The first problem, with line and column.
 pub fn parse(text: &str, file: &str) -> Result<Sweep, Error> {
-    let (source, document) = open(text, file)?;
+    examine(text, file).map_err(first)
+}
+
+/// As [`parse`].
+///
+/// # Errors
+/// Every problem, with line and column, but those that follow from another.
+pub fn examine(text: &str, file: &str) -> Result<Sweep, Vec<Error>> {
+    let (source, document) = open(text, file).map_err(|error| vec![error])?;
     let root = Table::new(&source, "the sweep", 0, document.get_ref());
-    root.only(&KEYS)?;
+    let mut found = Found::default();
+    let sweep = checked(&root, &mut found);
+    found.or(sweep)
+}
+
+fn checked(root: &Table, found: &mut Found) -> Option<Sweep> {
+    found.only(root, &KEYS);
     let known: Vec<&str> = MAPPERS.iter().map(|entry| entry.name).collect();
-    let mappers =
-        words(&root, "mappers", &known)?.ok_or_else(|| root.missing("mappers", "`mappers = [\"visibility\"]`"))?;
-    let regions = words(&root, "regions", &regions::known())?
-        .unwrap_or_else(|| DEFAULT_REGIONS.map(|region| region.name().to_owned()).to_vec());
-    let (first_seed, seeds) = seeds(&root)?;
-    let set = match root.section("set")? {
-        Some(table) => settings(&table)?,
-        None => Settings::new(),
-    };
-    let mut axes = Vec::new();
-    if let Some(table) = root.section("paired")? {
-        axes.extend(paired(&table)?);
+    if root.get("mappers").is_none() {
+        found.add(root.missing("mappers", "`mappers = [\"visibility\"]`"));
     }
-    if let Some(table) = root.section("vary")? {
-        table.only(&keys())?;
+    let mappers = words(root, "mappers", &known, found);
+    let regions = words(root, "regions", &regions::known(), found)
+        .unwrap_or_else(|| DEFAULT_REGIONS.map(|region| region.name().to_owned()).to_vec());
+    let (first_seed, seeds) = seeds(root, found);
+    let set = section(root, "set", found).map(|table| settings(&table, found)).unwrap_or_default();
+    let mut axes = Vec::new();
+    if let Some(table) = section(root, "paired", found) {
+        axes.extend(paired(&table, found));
+    }
+    if let Some(table) = section(root, "vary", found) {
+        found.only(&table, &keys());
         for parameter in &PARAMETERS {
             if let Some(node) = table.get(parameter.key) {
-                let steps = values(&table, parameter, node)?.into_iter().map(|value| vec![value]).collect();
+                let steps = values(&table, parameter, node, found).into_iter().map(|value| vec![value]).collect();
                 axes.push(Axis { keys: vec![parameter.key], steps });
             }
         }
     }
     let of_families = root.get("families").is_some();
+    let sites = sites(root, found);
+    once(root, of_families, found);
     let programs = Vec::new();
-    let sweep = Sweep { sites: sites(&root)?, of_families, mappers, programs, first_seed, seeds, regions, set, axes };
-    once(&root, &sweep)?;
-    let jobs = sweep.jobs();
-    if jobs.is_none_or(|jobs| jobs > MOST_JOBS) {
-        let node = root.get("vary").or_else(|| root.get("paired")).or_else(|| root.get("seeds"));
+    let sweep = Sweep { sites, of_families, mappers: mappers?, programs, first_seed, seeds, regions, set, axes };
+    if sweep.jobs().is_none_or(|jobs| jobs > MOST_JOBS) {
         let bound = format!("at most {MOST_JOBS} jobs in all");
-        return Err(node.map_or_else(
-            || root.missing("vary", &bound),
-            |node| root.refuse("vary", node, &bound, "shorten the lists, or take fewer seeds"),
-        ));
+        let remedy = "shorten the lists, or take fewer seeds";
+        let key = ["vary", "paired", "seeds"].into_iter().find(|key| root.get(key).is_some());
+        found.add(match key.and_then(|key| Some((key, root.get(key)?))) {
+            Some((key, node)) => root.refuse(key, node, &bound, remedy),
+            None => root.missing("vary", &bound),
+        });
     }
-    Ok(sweep)
+    Some(sweep)
+}
+
+/// A table of the file, if there is one.
+fn section<'a>(root: &Table<'a>, key: &str, found: &mut Found) -> Option<Table<'a>> {
+    found.take(root.section(key)).flatten()
 }
 
 const DEFAULT_REGIONS: [Region; 3] = [Region::Observable, Region::Visible, Region::Surface];
@@ -166,88 +187,82 @@ impl Sweep {
 }
 
 /// The files that are named: `scene`, `scenes`, or `families`.
-fn sites(root: &Table) -> Result<Vec<PathBuf>, Error> {
+fn sites(root: &Table, found: &mut Found) -> Vec<PathBuf> {
     let given: Vec<&str> = ["scene", "scenes", "families"].into_iter().filter(|key| root.get(key).is_some()).collect();
-    let &[key] = given.as_slice() else {
-        return Err(match given.get(1).and_then(|key| Some((key, root.get(key)?))) {
-            Some((key, node)) => {
-                root.refuse(key, node, "the only one of scene, scenes and families", "keep one of them")
-            }
-            None => root.missing("scene", "`scene = \"scenes/room.toml\"`, `scenes = [..]` or `families = [..]`"),
-        });
-    };
-    let Some(node) = root.get(key) else { return Ok(Vec::new()) };
-    let text = |node: &Node| match node.get_ref().as_str() {
-        Some("") | None => Err(root.refuse(key, node, "the name of a file", "write it in quotes")),
-        Some(text) => Ok(path_of(text)),
-    };
-    if key == "scene" {
-        return Ok(vec![text(node)?]);
+    if given.is_empty() {
+        found.add(root.missing("scene", "`scene = \"scenes/room.toml\"`, `scenes = [..]` or `families = [..]`"));
     }
     let mut paths = Vec::new();
-    for item in list(root, key, node)? {
-        let path = text(item)?;
-        if paths.contains(&path) {
-            return Err(root.refuse(key, item, "a file that is not named before", "name each once"));
+    for (k, key) in given.iter().enumerate() {
+        let Some(node) = root.get(key) else { continue };
+        if k > 0 {
+            found.add(root.refuse(key, node, "the only one of scene, scenes and families", "keep one of them"));
+            continue;
         }
-        paths.push(path);
+        let items = match *key {
+            "scene" => Some(std::slice::from_ref(node)),
+            _ => found.take(list(root, key, node)),
+        };
+        for item in items.into_iter().flatten() {
+            let refused = |bound, remedy| root.refuse(key, item, bound, remedy);
+            match item.get_ref().as_str().filter(|text| !text.is_empty()).map(path_of) {
+                None => found.add(refused("the name of a file", "write it in quotes")),
+                Some(path) if paths.contains(&path) => {
+                    found.add(refused("a file that is not named before", "name each once"));
+                }
+                Some(path) => paths.push(path),
+            }
+        }
     }
-    Ok(paths)
+    paths
 }
 
-/// A list of different words out of those known.
-fn words(table: &Table, key: &str, known: &[&str]) -> Result<Option<Vec<String>>, Error> {
-    let Some(node) = table.get(key) else { return Ok(None) };
+/// A list of different words out of those known; none where there is no list.
+fn words(table: &Table, key: &str, known: &[&str], found: &mut Found) -> Option<Vec<String>> {
+    let node = table.get(key)?;
     let mut words: Vec<String> = Vec::new();
-    for item in list(table, key, node)? {
-        let word = table.word(key, item, known)?.to_owned();
-        if words.contains(&word) {
-            return Err(table.refuse(key, item, "a name that is not named before", "name each once"));
+    for item in found.take(list(table, key, node))? {
+        let Some(word) = found.take(table.word(key, item, known)) else { continue };
+        if words.iter().any(|other| other == word) {
+            found.add(table.refuse(key, item, "a name that is not named before", "name each once"));
         }
-        words.push(word);
+        words.push(word.to_owned());
     }
-    Ok(Some(words))
+    Some(words)
 }
 
 /// First seed and number of seeds.
-fn seeds(root: &Table) -> Result<(u64, u64), Error> {
-    let Some(table) = root.section("seeds")? else { return Ok((Set::FIRST_TEST, 1)) };
-    table.only(&["first", "count"])?;
-    Ok((
-        table.optional_whole("first", &SEED)?.unwrap_or(Set::FIRST_TEST),
-        table.optional_whole("count", &COUNT)?.unwrap_or(1),
-    ))
+fn seeds(root: &Table, found: &mut Found) -> (u64, u64) {
+    let usual = (Set::FIRST_TEST, 1);
+    let Some(table) = section(root, "seeds", found) else { return usual };
+    found.only(&table, &["first", "count"]);
+    let first = found.take(table.optional_whole("first", &SEED)).flatten();
+    let count = found.take(table.optional_whole("count", &COUNT)).flatten();
+    (first.unwrap_or(usual.0), count.unwrap_or(usual.1))
 }
 
 /// Refuses a parameter that is given in two places, and two that say the same thing.
-fn once(root: &Table, sweep: &Sweep) -> Result<(), Error> {
-    let places = |key: &str| {
-        let varied = sweep.axes.iter().filter(|axis| axis.keys.contains(&key)).count();
-        varied + usize::from(sweep.set.contains_key(key))
-    };
-    let refuse = |key: &str, bound: &str, remedy: &str| {
-        for name in ["vary", "paired", "set"] {
-            if let Some(table) = root.section(name)?
-                && let Some(node) = table.get(key)
-            {
-                return Err(table.refuse(key, node, bound, remedy));
-            }
+fn once(root: &Table, of_families: bool, found: &mut Found) {
+    let tables = ["vary", "paired", "set"].into_iter().filter_map(|name| root.section(name).ok().flatten());
+    let tables: Vec<Table> = tables.collect();
+    let places = |key: &str| tables.iter().filter(|table| table.get(key).is_some()).count();
+    let mut refuse = |key: &str, bound: &str, remedy: &str| {
+        let first = tables.iter().find_map(|table| Some((table, table.get(key)?)));
+        if let Some((table, node)) = first {
+            found.add(table.refuse(key, node, bound, remedy));
         }
-        Ok(())
     };
     for parameter in &PARAMETERS {
         if places(parameter.key) > 1 {
-            refuse(parameter.key, "given in one of [set], [vary] and [paired] only", "remove the others")?;
+            refuse(parameter.key, "given in one of [set], [vary] and [paired] only", "remove the others");
         }
     }
-    if places("correlation") > 0 && places("assumed_length") > 0 {
-        refuse("assumed_length", "left out beside correlation, which says the same", "keep one of them")?;
+    if places("correlation") > 0 {
+        refuse("assumed_length", "left out beside correlation, which says the same", "keep one of them");
     }
-    let of_family = |parameter: &&Parameter| parameter.of_family() && places(parameter.key) > 0;
-    if let Some(parameter) = PARAMETERS.iter().find(of_family).filter(|_| !sweep.of_families) {
-        refuse(parameter.key, "left out without families, whose layouts it is about", "use `families = [..]`")?;
+    for parameter in PARAMETERS.iter().filter(|parameter| parameter.of_family() && !of_families) {
+        refuse(parameter.key, "left out without families, whose layouts it is about", "use `families = [..]`");
     }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use strict::{Error, Limit, Table, Value as Node, number};
 
-use super::Axis;
+use super::{Axis, Found};
 use crate::commands::sweep::parameters::{PARAMETERS, Parameter, ParameterKind, Settings, Value};
 
 const STEPS: Limit = Limit {
@@ -25,72 +25,85 @@ pub(super) fn list<'a>(table: &Table, key: &str, node: &'a Node<'a>) -> Result<&
 }
 
 /// One value of each of some parameters.
-pub(super) fn settings(table: &Table) -> Result<Settings, Error> {
-    table.only(&keys())?;
-    let mut settings = Settings::new();
-    for parameter in &PARAMETERS {
-        if let Some(node) = table.get(parameter.key) {
-            settings.insert(parameter.key.to_owned(), value(table, parameter, node)?);
-        }
-    }
-    Ok(settings)
+pub(super) fn settings(table: &Table, found: &mut Found) -> Settings {
+    found.only(table, &keys());
+    let given = PARAMETERS.iter().filter_map(|parameter| Some((parameter, table.get(parameter.key)?)));
+    let value = |(parameter, node): (&'static Parameter, _)| {
+        Some((parameter.key.to_owned(), found.take(value(table, parameter, node))?))
+    };
+    given.filter_map(value).collect()
 }
 
 /// Lists of one length that go together.
-pub(super) fn paired(table: &Table) -> Result<Option<Axis>, Error> {
-    table.only(&keys())?;
+pub(super) fn paired(table: &Table, found: &mut Found) -> Option<Axis> {
+    found.only(table, &keys());
     let mut axis = Axis { keys: Vec::new(), steps: Vec::new() };
     for parameter in &PARAMETERS {
         let Some(node) = table.get(parameter.key) else { continue };
-        let values = values(table, parameter, node)?;
+        let before = found.count();
+        let values = values(table, parameter, node, found);
+        if found.count() > before {
+            continue; // how many it would have is not known
+        }
         if let Some(first) = axis.keys.first().filter(|_| axis.steps.len() != values.len()) {
             let bound = format!("{} values, as many as {first} has", axis.steps.len());
-            return Err(table.refuse(parameter.key, node, &bound, "give lists of one length, or use [vary]"));
+            found.add(table.refuse(parameter.key, node, &bound, "give lists of one length, or use [vary]"));
+            continue;
         }
         axis.steps.resize(values.len(), Vec::new());
         axis.keys.push(parameter.key);
         axis.steps.iter_mut().zip(values).for_each(|(step, value)| step.push(value));
     }
-    Ok(Some(axis).filter(|axis| !axis.keys.is_empty()))
+    Some(axis).filter(|axis| !axis.keys.is_empty())
 }
 
 /// A list, a range, or one value of a parameter.
-pub(super) fn values(table: &Table, parameter: &'static Parameter, node: &Node) -> Result<Vec<Value>, Error> {
+pub(super) fn values(table: &Table, parameter: &'static Parameter, node: &Node, found: &mut Found) -> Vec<Value> {
     let key = parameter.key;
     if node.get_ref().as_table().is_some() {
-        return range(table, parameter, node);
+        return range(table, parameter, node, found).unwrap_or_default();
     }
     let mut values = Vec::new();
-    for item in list(table, key, node)? {
-        let value = value(table, parameter, item)?;
+    for item in found.take(list(table, key, node)).into_iter().flatten() {
+        let Some(value) = found.take(value(table, parameter, item)) else { continue };
         if values.contains(&value) {
-            return Err(table.refuse(key, item, "a value that is not given before", "give each once"));
+            found.add(table.refuse(key, item, "a value that is not given before", "give each once"));
         }
         values.push(value);
     }
-    Ok(values)
+    values
 }
 
 /// `{ from, to, steps }`, both ends included; with `log = true` in equal ratios.
-fn range(table: &Table, parameter: &'static Parameter, node: &Node) -> Result<Vec<Value>, Error> {
+fn range(table: &Table, parameter: &'static Parameter, node: &Node, found: &mut Found) -> Option<Vec<Value>> {
     let key = parameter.key;
     let (ParameterKind::Number(limit) | ParameterKind::Both(limit), Some(range)) =
-        (&parameter.kind, table.section(key)?)
+        (&parameter.kind, found.take(table.section(key))?)
     else {
-        return Err(table.refuse(key, node, "a list", "a range is for numbers; write the values like [a, b]"));
+        found.add(table.refuse(key, node, "a list", "a range is for numbers; write the values like [a, b]"));
+        return None;
     };
-    range.only(&["from", "to", "steps", "log"])?;
-    let (from, to) = (range.number("from", limit)?, range.number("to", limit)?);
-    let steps = range.optional_whole("steps", &STEPS)?.ok_or_else(|| range.missing("steps", "`steps = 5`"))?;
+    found.only(&range, &["from", "to", "steps", "log"]);
+    let ends = [found.take(range.number("from", limit)), found.take(range.number("to", limit))];
+    let steps = found.take(range.optional_whole("steps", &STEPS));
+    if steps == Some(None) {
+        found.add(range.missing("steps", "`steps = 5`"));
+    }
     let log = match range.get("log").map(|node| (node, node.get_ref().as_bool())) {
-        Some((node, None)) => return Err(range.refuse("log", node, "true or false", "leave it out for equal steps")),
+        Some((node, None)) => {
+            found.add(range.refuse("log", node, "true or false", "leave it out for equal steps"));
+            return None;
+        }
         Some((_, Some(log))) => log,
         None => false,
     };
+    let [from, to] = [ends[0]?, ends[1]?];
     if to <= from || log && from <= 0.0 {
         let bound = if log { "from above 0, and to above from" } else { "to above from" };
-        return Err(table.refuse(key, node, bound, "exchange the ends, or give a list"));
+        found.add(table.refuse(key, node, bound, "exchange the ends, or give a list"));
+        return None;
     }
+    let steps = steps??;
     let last = (steps - 1) as f64;
     let at = |k: u64| {
         let share = k as f64 / last;
@@ -98,7 +111,7 @@ fn range(table: &Table, parameter: &'static Parameter, node: &Node) -> Result<Ve
         // Twelve digits: the ends and 0.1 + 0.2 are what was meant.
         format!("{value:.11e}").parse().unwrap_or(value)
     };
-    Ok((0..steps).map(|k| Value::Number(at(k))).collect())
+    Some((0..steps).map(|k| Value::Number(at(k))).collect())
 }
 
 fn value(table: &Table, parameter: &'static Parameter, node: &Node) -> Result<Value, Error> {

@@ -1,0 +1,90 @@
+//! A mapper that is shown some of the readings.
+
+use grid::Raster;
+use sensor::{Scan, SensorModel};
+
+use crate::mapper::{Mapper, Outside, Work};
+use crate::memory::Held as _;
+use crate::model::{Model, Sensors};
+use crate::pairs::grid::PairwiseGrid;
+
+/// Which readings of a scan are shown.
+pub trait Choice: Clone + Send {
+    /// Puts the readings of the scan into `readings`, which is empty, with `None` in the place of those that are not shown.
+    fn choose(&mut self, sensor: &dyn SensorModel, scan: &Scan, readings: &mut Vec<Option<f64>>);
+
+    /// Whether readings are left out that would be news to the mapper.
+    fn leaves_out(&self) -> bool;
+
+    /// Memory that it holds, bytes.
+    fn held(&self) -> usize {
+        0
+    }
+}
+
+/// Any mapper, shown the readings that a choice leaves. O(rays) per scan besides what the mapper does.
+pub struct Shown<C> {
+    inner: Box<dyn Mapper>,
+    sensors: Sensors,
+    choice: C,
+    shown: Scan,
+}
+
+impl<C: Choice> Shown<C> {
+    /// A mapper of the model's sensors.
+    pub(crate) fn of(inner: Box<dyn Mapper>, model: &Model, choice: C) -> Self {
+        Self { inner, sensors: model.sensors.clone(), choice, shown: Scan::default() }
+    }
+}
+
+impl<C: Choice + 'static> Mapper for Shown<C> {
+    fn integrate(&mut self, scan: &Scan) {
+        let Self { inner, sensors, choice, shown } = self;
+        (shown.sensor, shown.time_s, shown.pose) = (scan.sensor, scan.time_s, scan.pose);
+        shown.bearings_rad.clone_from(&scan.bearings_rad);
+        shown.readings.clear();
+        choice.choose(&**sensors.of(scan), scan, &mut shown.readings);
+        inner.integrate(shown);
+    }
+
+    fn settle(&mut self) {
+        self.inner.settle();
+    }
+
+    fn occupancy(&self) -> &Raster<f64> {
+        self.inner.occupancy()
+    }
+
+    fn pairwise(&self) -> Option<PairwiseGrid> {
+        self.inner.pairwise()
+    }
+
+    /// Of all readings: what is shown is a rule for mapping, and no excuse from predicting.
+    fn evidence(&self, scan: &Scan) -> Option<f64> {
+        self.inner.evidence(scan)
+    }
+
+    fn fork(&self) -> Option<Box<dyn Mapper>> {
+        let inner = self.inner.fork()?;
+        let (sensors, choice) = (self.sensors.clone(), self.choice.clone());
+        Some(Box::new(Self { inner, sensors, choice, shown: Scan::default() }))
+    }
+
+    fn work(&self) -> Work {
+        let scan = self.shown.readings.held() + self.shown.bearings_rad.held();
+        let Work { cells, bytes } = self.inner.work();
+        Work { cells, bytes: bytes + scan + self.choice.held() }
+    }
+
+    fn skipped(&self) -> u64 {
+        self.inner.skipped()
+    }
+
+    fn leaves_out(&self) -> bool {
+        self.choice.leaves_out() || self.inner.leaves_out()
+    }
+
+    fn outside(&self) -> Option<&Outside> {
+        self.inner.outside()
+    }
+}
