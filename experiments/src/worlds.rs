@@ -9,6 +9,7 @@ pub mod drives;
 pub mod estimate;
 pub mod faults;
 pub mod film;
+pub mod ground;
 pub mod levels;
 pub mod map_file;
 pub mod mappers;

@@ -11,7 +11,7 @@ use std::process::Output;
 
 use assert_cmd::Command;
 use experiments::page::decoded;
-use experiments::worlds::run::Ground;
+use experiments::worlds::ground::Ground;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use grid::{GridSpec, Raster, npy};

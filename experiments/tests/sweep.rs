@@ -305,7 +305,7 @@ fn a_world_that_cannot_be_made_is_a_row() {
 }
 
 /// Every parameter with two values that no default is, and the mapper that minds.
-const VALUES: [(&str, [&str; 2], &str); 48] = [
+const VALUES: [(&str, [&str; 2], &str); 50] = [
     ("size_factor", ["0.8", "1.3"], "visibility"),
     ("width", ["2.5", "3.5"], "visibility"),
     ("height", ["2.5", "3.5"], "visibility"),
@@ -318,6 +318,8 @@ const VALUES: [(&str, [&str; 2], &str); 48] = [
     ("along_walls", ["0.0", "1.0"], "visibility"),
     ("clearance", ["0.02", "0.5"], "visibility"),
     ("wall_thickness", ["0.2", "0.3"], "visibility"),
+    ("people_per_100_m2", ["4.0", "12.0"], "visibility"),
+    ("people_speed_m_s", ["0.3", "0.9"], "visibility"),
     ("radius", ["0.1", "0.3"], "visibility"),
     ("speed", ["0.3", "0.7"], "visibility"),
     ("turn_rate_deg", ["20.0", "40.0"], "visibility"),
@@ -371,9 +373,13 @@ fn every_parameter_changes_the_scores() {
     fs::write(place.join("corridor.toml"), corridor).expect("writable");
     let clustered = format!("{FAMILY}[sensor]\nmismatches = \"clustered\"\n");
     fs::write(place.join("clustered.toml"), clustered).expect("writable");
+    let crowded = FAMILY.replace("width = [3.0, 3.0]", "width = [5.0, 5.0]");
+    let crowded = crowded.replace("height = [3.0, 3.2]", "height = [5.0, 5.0]\npeople_per_100_m2 = [8.0, 8.0]");
+    fs::write(place.join("crowded.toml"), crowded).expect("writable");
     for (key, [one, other], mapper) in VALUES {
         let family = match key {
             "passage" | "door" => "corridor.toml",
+            "people_per_100_m2" | "people_speed_m_s" => "crowded.toml",
             "mismatches" | "persistence" | "copies" | "near_misses" | "copy_reach" => "clustered.toml",
             _ => "attics.toml",
         };

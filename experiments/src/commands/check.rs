@@ -18,7 +18,7 @@ use crate::output::args::{FormatOption, positive};
 use crate::output::single::{self, Existing};
 use crate::output::table::{Table, aligned, rounded};
 use crate::output::{note, warn};
-use crate::worlds::run::Ground;
+use crate::worlds::ground::Ground;
 use crate::worlds::scenes::described;
 use crate::worlds::witness::Witness;
 

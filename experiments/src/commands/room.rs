@@ -32,7 +32,8 @@ use crate::output::{note, warn};
 use crate::programs::times;
 use crate::worlds::claims::{self, Claim};
 use crate::worlds::faults;
-use crate::worlds::run::{Ground, Keep, Trial};
+use crate::worlds::ground::Ground;
+use crate::worlds::run::{Keep, Trial};
 
 /// Runs the experiment.
 ///

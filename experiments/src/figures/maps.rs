@@ -6,7 +6,8 @@ use super::key::{self, Sign};
 use super::letters;
 use super::panel::Panel;
 use super::paper::Paper;
-use crate::worlds::run::{Ground, Stage, Trial};
+use crate::worlds::ground::Ground;
+use crate::worlds::run::{Stage, Trial};
 
 /// What the picture shows.
 pub const CAPTION: &str = "Maps from the same readings (compare Figures 13 and 14): the truth above, then a row per mapper and a \

@@ -4,7 +4,8 @@ use super::drawing::Drawing;
 use super::maps::{panel_width, sheet};
 use super::panel::Panel;
 use super::paper::Paper;
-use crate::worlds::run::{Ground, Stage, Trial};
+use crate::worlds::ground::Ground;
+use crate::worlds::run::{Stage, Trial};
 
 /// What the picture shows.
 pub const CAPTION: &str = "The first named region from close by, cell by cell: does free space seen from near survive doubtful \

@@ -7,7 +7,7 @@ use super::ink::{self, INK, LABEL, ROUTE};
 use super::panel::Panel;
 use super::paper::Paper;
 use super::{key, letters};
-use crate::worlds::run::Ground;
+use crate::worlds::ground::Ground;
 
 /// What the picture shows.
 pub const CAPTION: &str = "The scene as the truth has it (compare Figure 11): obstacles black, the route of the robot blue with its \

@@ -5,7 +5,7 @@ use scene::SimulatedScan;
 use score::NUDGE_M;
 use sensor::Scan;
 
-use crate::worlds::run::Ground;
+use crate::worlds::ground::Ground;
 
 /// What readings are.
 #[derive(Debug, Clone, Copy, PartialEq)]

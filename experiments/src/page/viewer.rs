@@ -9,7 +9,8 @@ use score::{MovingRegion, Region};
 use super::scans::Scans;
 use crate::failure::Failure;
 use crate::worlds::film::{self, Frame};
-use crate::worlds::run::{Ground, Run, Stage, StageMap, Trial};
+use crate::worlds::ground::Ground;
+use crate::worlds::run::{Run, Stage, StageMap, Trial};
 use crate::worlds::witness::Witness;
 
 /// Moments of a drive besides the ends of its stages, where a page shows several worlds: enough to see a map grow.

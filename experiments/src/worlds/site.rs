@@ -10,7 +10,7 @@ use sensor::Stereo;
 use serde::{Deserialize, Serialize};
 
 use super::condition::{Condition, condition};
-use super::run::Ground;
+use super::ground::Ground;
 use crate::failure::Failure;
 use crate::output::args::PriorOptions;
 

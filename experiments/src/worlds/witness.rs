@@ -4,7 +4,7 @@ use grid::Raster;
 use scene::SimulatedScan;
 use score::{Moving, NEAR_LOOK_M, Region, ScoreError, Sight, Sightings};
 
-use super::run::Ground;
+use super::ground::Ground;
 
 /// The sightings of a drive, scan by scan.
 #[derive(Debug, Clone)]

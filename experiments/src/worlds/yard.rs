@@ -5,17 +5,15 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use scene::{Obstacle, Scene, ThingKind, World};
+use scene::{Drive, Obstacle, Scene, ThingKind, World};
 use score::navigation::{Navigation, Planning};
-
-use super::run::Ground;
 
 /// The world at a moment, and the drives that are asked for in it.
 pub struct Yard {
     /// The pairs of places, drawn from what stands there.
     pub navigation: Navigation,
     /// What stands in the way, where that is more than the obstacles of the scene.
-    stopped: Option<World>,
+    pub stopped: Option<World>,
 }
 
 /// The yards of a drive, made when they are first asked for. In a world at rest there is one.
@@ -24,32 +22,27 @@ pub struct Yards(Mutex<BTreeMap<usize, Arc<Yard>>>);
 
 impl Yards {
     /// The yard after so many scans.
-    pub fn after(&self, scans: usize, ground: &Ground, planning: Planning) -> Arc<Yard> {
+    pub fn after(&self, scans: usize, scene: &Scene, drive: &Drive, planning: Planning) -> Arc<Yard> {
         let mut yards = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let moment = if ground.moves() { scans } else { 0 };
-        yards.entry(moment).or_insert_with(|| Arc::new(Yard::after(scans, ground, planning))).clone()
+        let moment = if drive.motion.is_empty() { 0 } else { scans };
+        yards.entry(moment).or_insert_with(|| Arc::new(Yard::after(scans, scene, drive, planning))).clone()
     }
 }
 
 impl Yard {
-    fn after(scans: usize, ground: &Ground, planning: Planning) -> Self {
-        if !ground.moves() {
-            return Self { navigation: Navigation::new(ground.still(), planning), stopped: None };
+    fn after(scans: usize, scene: &Scene, drive: &Drive, planning: Planning) -> Self {
+        if drive.motion.is_empty() {
+            return Self { navigation: Navigation::new(&scene::truth(scene), planning), stopped: None };
         }
-        let scene = stopped(scans, ground);
+        let scene = stopped(scans, scene, drive);
         Self { navigation: Navigation::new(&scene::truth(&scene), planning), stopped: Some(World::new(&scene)) }
-    }
-
-    /// What stands in the way.
-    pub fn world<'a>(&'a self, ground: &'a Ground) -> &'a World {
-        self.stopped.as_ref().unwrap_or(&ground.world)
     }
 }
 
 /// The scene with its doors and chairs as they stood at the last of so many scans, at least one.
-fn stopped(scans: usize, ground: &Ground) -> Scene {
-    let mut scene = ground.scene.clone();
-    let motion = &ground.drive.motion;
+fn stopped(scans: usize, scene: &Scene, drive: &Drive) -> Scene {
+    let mut scene = scene.clone();
+    let motion = &drive.motion;
     let standing =
         motion.shapes_at(scans.saturating_sub(1)).filter(|(thing, _)| motion.kind(*thing) != ThingKind::Person);
     scene.obstacles.extend(standing.map(|(thing, shape)| Obstacle {

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use experiments::worlds::run::Ground;
+use experiments::worlds::ground::Ground;
 use grid::{DigitalLine, Raster};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::worlds::run::Ground;
+use crate::worlds::ground::Ground;
 
 /// A character is about twice as high as it is wide.
 const ASPECT: f64 = 2.0;

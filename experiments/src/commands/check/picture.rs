@@ -5,7 +5,7 @@ use std::path::Path;
 use super::drawing::drawing;
 use crate::failure::Failure;
 use crate::figures::{self, Paper};
-use crate::worlds::run::Ground;
+use crate::worlds::ground::Ground;
 
 /// How a scene is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

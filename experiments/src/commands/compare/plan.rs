@@ -12,8 +12,8 @@ use crate::failure::Failure;
 use crate::programs::options::ProgramRecord;
 use crate::worlds::condition::{AS_BELIEVED, Condition, DEPARTURES, PEOPLE, departures};
 use crate::worlds::drives::DriveOptions;
+use crate::worlds::ground::Driven;
 use crate::worlds::mappers::{entries, own};
-use crate::worlds::run::Driven;
 use crate::worlds::scenes::families;
 use crate::worlds::site::{Assumptions, Site, WorldId};
 

@@ -10,7 +10,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
 use crate::worlds::criteria::{CRITERIA, Criterion, MOVING};
-use crate::worlds::run::{Ground, Keep, Run, Trial};
+use crate::worlds::ground::Ground;
+use crate::worlds::run::{Keep, Run, Trial};
 use crate::worlds::site::{Site, WorldId};
 
 /// A world to map and score.

@@ -13,7 +13,8 @@ use crate::jobs::progress::Count;
 use crate::output::table::rounded;
 use crate::worlds::criteria::criterion;
 use crate::worlds::drives;
-use crate::worlds::run::{Ground, Keep};
+use crate::worlds::ground::Ground;
+use crate::worlds::run::Keep;
 use crate::worlds::site::{Site, WorldId};
 
 /// What a value is of. Its order is that of the baselines.

@@ -8,7 +8,8 @@ use crate::failure::Failure;
 use crate::figures;
 use crate::page::{Cell, Page, Part, Picture, Section, Sheet, Viewer, command_line};
 use crate::worlds::claims;
-use crate::worlds::run::{Ground, Stage};
+use crate::worlds::ground::Ground;
+use crate::worlds::run::Stage;
 
 /// A row of `metrics.csv`.
 #[derive(Debug, Deserialize)]

@@ -18,7 +18,8 @@ use crate::output::ledger::RECORD;
 use crate::output::record::Record;
 use crate::output::table::{Table, optional, rounded};
 use crate::page::{self, Picture, ViewedWorld, Viewer};
-use crate::worlds::run::{Ground, RegionScore, Stage, Trial};
+use crate::worlds::ground::Ground;
+use crate::worlds::run::{RegionScore, Stage, Trial};
 
 /// A row of `metrics.csv`.
 struct Scored<'a> {

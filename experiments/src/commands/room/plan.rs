@@ -8,8 +8,8 @@ use crate::failure::Failure;
 use crate::jobs::memory;
 use crate::page;
 use crate::worlds::condition::AS_BELIEVED;
+use crate::worlds::ground::{Driven, Ground};
 use crate::worlds::mappers::entries;
-use crate::worlds::run::{Driven, Ground};
 use crate::worlds::site::{Assumptions, Site};
 
 /// Everything that a trial needs, from the options.

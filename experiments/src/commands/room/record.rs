@@ -12,7 +12,8 @@ use crate::figures::Paper;
 use crate::programs::options::ProgramRecord;
 use crate::worlds::claims::Claim;
 use crate::worlds::drives::DriveOptions;
-use crate::worlds::run::{Ground, Stage};
+use crate::worlds::ground::Ground;
+use crate::worlds::run::Stage;
 
 /// What the record of a room holds.
 #[derive(Debug, Serialize)]

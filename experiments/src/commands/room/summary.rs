@@ -7,8 +7,9 @@ use score::navigation::Planning;
 
 use crate::worlds::claims::{self, Claim};
 use crate::worlds::drives;
+use crate::worlds::ground::Ground;
 use crate::worlds::ranked::{Head, SortOption, legend};
-use crate::worlds::run::{Ground, Stage, Trial};
+use crate::worlds::run::{Stage, Trial};
 
 /// A column of a summary table: heading, metric, decimals.
 type Column = (&'static str, &'static str, usize);

@@ -16,7 +16,8 @@ use crate::output::digest;
 use crate::programs::options::ProgramRecord;
 use crate::worlds::condition::AS_BELIEVED;
 use crate::worlds::drives;
-use crate::worlds::run::{Ground, Keep};
+use crate::worlds::ground::Ground;
+use crate::worlds::run::Keep;
 use crate::worlds::site::{Assumptions, Site};
 
 /// A job.

@@ -5,7 +5,8 @@ use score::{LOOK_EDGES, MovingRegion, RANGE_EDGES_M, Region, error_profile};
 
 use crate::failure::Failure;
 use crate::worlds::bins::ends;
-use crate::worlds::run::{Ground, Trial};
+use crate::worlds::ground::Ground;
+use crate::worlds::run::Trial;
 
 /// What stands for a region per bin of range and number of looks.
 pub const RANGE_BY_LOOKS: &str = "range-by-looks";

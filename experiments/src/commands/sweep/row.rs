@@ -8,7 +8,8 @@ use super::regions::{RANGE_BY_LOOKS, of_movement, range_by_looks};
 use crate::failure::Failure;
 use crate::output::table::{field, optional};
 use crate::worlds::criteria::{CRITERIA, Criterion, MOVING};
-use crate::worlds::run::{Ground, Trial};
+use crate::worlds::ground::Ground;
+use crate::worlds::run::Trial;
 
 /// A map in a region, or what went wrong instead.
 #[derive(Debug, Clone, PartialEq)]
