@@ -75,6 +75,8 @@ struct Passed {
 #[derive(Debug, Clone, Default)]
 struct Passing {
     tiles: Vec<Passed>,
+    /// How many of them there are now; the others are kept for the next scan.
+    number: usize,
     /// The tiles that the last scan may move.
     reached: Vec<usize>,
     /// Of every tile of the map, its place among them, or [`STANDS`], or [`UNSEEN`].
@@ -88,6 +90,7 @@ const STANDS: u32 = u32::MAX - 1;
 const UNSEEN: u32 = u32::MAX;
 
 /// One end of a row of edges: what its cells were, and with which probability they are renewed, if occupied and if free.
+#[derive(Clone, Copy)]
 struct End {
     occupied: Lanes<f32>,
     loss: [Lanes<f32>; 2],
@@ -156,9 +159,10 @@ impl Changes {
     /// Those of the given tiles that stand at an earlier time, which is then that of all.
     fn select(&mut self, map: &Map, tiles: impl Iterator<Item = usize>) {
         let now_s = self.now_s.unwrap_or_default();
-        for passed in self.passing.tiles.drain(..) {
+        for passed in &self.passing.tiles[..self.passing.number] {
             self.passing.places[passed.tile] = STANDS;
         }
+        self.passing.number = 0;
         let mut last = (0.0, Step::of(&self.renewal.over(0.0)));
         for tile in tiles {
             // What nobody has seen stays as it was: its prior.
@@ -175,8 +179,13 @@ impl Changes {
                 last = (seconds, Step::of(&self.renewal.over(seconds)));
             }
             let occupied = map.at(tile).occupied;
-            self.passing.places[tile] = self.passing.tiles.len() as u32;
-            self.passing.tiles.push(Passed { tile, step: last.1, occupied, loss: [[0.0; TILE]; 2] });
+            let number = self.passing.number;
+            if number == self.passing.tiles.len() {
+                self.passing.tiles.push(Passed { tile, step: last.1, occupied, loss: [[0.0; TILE]; 2] });
+            }
+            let passed = &mut self.passing.tiles[number];
+            (passed.tile, passed.step, passed.occupied) = (tile, last.1, occupied);
+            (self.passing.places[tile], self.passing.number) = (number as u32, number + 1);
         }
     }
 }
@@ -211,14 +220,14 @@ in_lanes! {
 #[inline(always)]
 fn places_and_edges(map: &mut Map, changes: &mut Changes) {
     let Changes { prior: [prior, both], shares, passing, .. } = changes;
-    for passed in &mut passing.tiles {
+    for passed in &mut passing.tiles[..passing.number] {
         let (tile, shares) = (map.make(passed.tile), shares.make(passed.tile));
         for row in (0..TILE).step_by(SIDE) {
             places(passed, row, *prior, tile, shares);
         }
     }
     let drawn = [*prior, *both];
-    for number in 0..passing.tiles.len() {
+    for number in 0..passing.number {
         let Passed { tile, step, .. } = passing.tiles[number];
         let first = (tile * TILE) as u32;
         for patch in (first..first + TILE as u32).step_by(PATCH) {
@@ -242,42 +251,68 @@ fn places(passed: &mut Passed, row: usize, prior: f32, tile: &mut Tile, shares: 
     let p: Lanes<f32> = each(|c| passed.occupied[row + c]);
     let not_p = each(|c| 1.0 - p[c]);
     // P(kind | E), P(kind | not E).
-    let kinds = [0, 1].map(|x| {
-        let [second, third] = [0, 1].map(|k| each(|c| f32::from(shares.of[x][k][row + c]) * (1.0 / UNITS)));
-        [each(|c| 1.0 - second[c] - third[c]), second, third]
-    });
-    for x in 0..2 {
-        let [first, second, third] = &kinds[x];
-        for c in 0..SIDE {
-            let loss = step.loss[0] * first[c] + step.loss[1] * second[c] + step.loss[2] * third[c];
-            passed.loss[x][row + c] = loss;
-        }
+    let kinds = [kinds(&shares.of[0], row), kinds(&shares.of[1], row)];
+    let (lost, drawn) = (weighted(&step.loss, &kinds[0]), weighted(&step.loss, &kinds[1]));
+    for c in 0..SIDE {
+        passed.loss[0][row + c] = lost[c];
+        passed.loss[1][row + c] = drawn[c];
     }
-    let [lost, drawn] = [0, 1].map(|x| -> Lanes<f32> { each(|c| passed.loss[x][row + c]) });
     let after = each(|c| after(p[c], lost[c], drawn[c], prior));
     for c in 0..SIDE {
         tile.occupied[row + c] = after[c];
     }
     let noise = dither(passed.tile, row, shares.at_s);
     for k in 1..KINDS {
-        let left = [0, 1].map(|x| -> Lanes<f32> {
-            let [first, second, third] = &kinds[x];
-            each(|c| step.kept[k][0] * first[c] + step.kept[k][1] * second[c] + step.kept[k][2] * third[c])
-        });
-        let left = [each(|c| p[c] * left[0][c]), each(|c| not_p[c] * left[1][c])];
+        let (left_e, left_f) = (weighted(&step.kept[k], &kinds[0]), weighted(&step.kept[k], &kinds[1]));
+        let (left_e, left_f) = (each(|c| p[c] * left_e[c]), each(|c| not_p[c] * left_f[c]));
         let was = each(|c| p[c] * kinds[0][k][c] + not_p[c] * kinds[1][k][c]);
         let is = each(|c| step.same_kind * was[c] + (1.0 - step.same_kind) * step.shares[k]);
-        let renewed = each(|c| (is[c] - left[0][c] - left[1][c]).max(0.0));
-        let occupied = each(|c| (left[0][c] + prior * renewed[c]) / after[c]);
-        let free = each(|c| (left[1][c] + (1.0 - prior) * renewed[c]) / (1.0 - after[c]));
+        let renewed = each(|c| more(is[c] - left_e[c] - left_f[c], 0.0));
+        let occupied = each(|c| (left_e[c] + prior * renewed[c]) / after[c]);
+        let free = each(|c| (left_f[c] + (1.0 - prior) * renewed[c]) / (1.0 - after[c]));
         for (x, share) in [occupied, free].iter().enumerate() {
             let shift = 8 * (2 * x + k - 1) as u32;
+            let up = each(|c| ((noise[c] >> shift) & 255) as i32 as f32 * (1.0 / 256.0));
+            let units = each(|c| whole(share[c] * UNITS + up[c]));
             for c in 0..SIDE {
-                let up = ((noise[c] >> shift) & 255) as f32 * (1.0 / 256.0);
-                shares.of[x][k - 1][row + c] = (share[c] * UNITS + up).min(UNITS) as u16;
+                shares.of[x][k - 1][row + c] = units[c];
             }
         }
     }
+}
+
+/// `P(kind | E)`, or `P(kind | not E)`, of a row of places.
+#[inline(always)]
+fn kinds(of: &[[u16; TILE]; 2], row: usize) -> [Lanes<f32>; KINDS] {
+    let second = each(|c| f32::from(of[0][row + c]) * (1.0 / UNITS));
+    let third = each(|c| f32::from(of[1][row + c]) * (1.0 / UNITS));
+    [each(|c| 1.0 - second[c] - third[c]), second, third]
+}
+
+/// A sum over kinds.
+#[inline(always)]
+fn weighted(by: &[f32; KINDS], of: &[Lanes<f32>; KINDS]) -> Lanes<f32> {
+    each(|c| by[0] * of[0][c] + by[1] * of[1][c] + by[2] * of[2][c])
+}
+
+/// The larger, without a care for what is no number.
+#[inline(always)]
+fn more(x: f32, y: f32) -> f32 {
+    if x > y { x } else { y }
+}
+
+/// The smaller.
+#[inline(always)]
+fn less(x: f32, y: f32) -> f32 {
+    if x < y { x } else { y }
+}
+
+/// The whole part of a number of units, from 0 to below 65,536, by the low bits of a number so large that it has no others.
+#[inline(always)]
+fn whole(units: f32) -> u16 {
+    const WHOLE: f32 = 12_582_912.0; // 3 times 2^22
+    let units = if units < UNITS { units } else { UNITS };
+    ((units - 0.5 + WHOLE).to_bits() & 0xffff) as u16
 }
 
 /// Four numbers of 8 bits for each cell of a row, by which shares are rounded: to the one or the other side as often as keeps their mean,
@@ -297,20 +332,20 @@ impl Passing {
     /// The cells from `from` on, each `stride` behind the one before, at one end of edges; the other end passes through `step`.
     #[inline(always)]
     fn end(&self, map: &Map, from: u32, stride: usize, step: &Step) -> End {
-        let occupied = map.line(from, stride);
+        let number = from;
         let (tile, from) = split(from);
         match self.places[tile] {
-            STANDS => End { occupied, loss: [[0.0; SIDE]; 2] },
+            STANDS => End { occupied: map.line(number, stride), loss: [[0.0; SIDE]; 2] },
             UNSEEN => {
                 let loss =
                     step.loss[0] * step.shares[0] + step.loss[1] * step.shares[1] + step.loss[2] * step.shares[2];
-                End { occupied, loss: [[loss; SIDE]; 2] }
+                End { occupied: map.line(number, stride), loss: [[loss; SIDE]; 2] }
             }
             place => {
                 let passed = &self.tiles[place as usize];
                 End {
                     occupied: each(|k| passed.occupied[from + k * stride]),
-                    loss: [0, 1].map(|x| each(|k| passed.loss[x][from + k * stride])),
+                    loss: [each(|k| passed.loss[0][from + k * stride]), each(|k| passed.loss[1][from + k * stride])],
                 }
             }
         }
@@ -321,31 +356,43 @@ impl Passing {
 #[inline(always)]
 fn edges_within(map: &mut Map, passing: &Passing, patch: u32, step: &Step, drawn: [f32; 2]) {
     let (tile, from) = split(patch);
-    let last = |axis: usize| patch + ((SIDE - 1) * [1, SIDE][axis]) as u32;
-    let right =
-        map.numbering.after(last(0), 0).map(|after| (passing.end(map, after, SIDE, step), map.line(after, SIDE)));
-    let above = map.numbering.after(last(1), 1).map(|after| (passing.end(map, after, 1, step), map.line(after, 1)));
+    let last = (SIDE - 1) as u32;
+    let right = match map.numbering.after(patch + last, 0) {
+        Some(after) => (passing.end(map, after, SIDE, step), map.line(after, SIDE)),
+        None => NOTHING,
+    };
+    let above = match map.numbering.after(patch + last * SIDE as u32, 1) {
+        Some(after) => (passing.end(map, after, 1, step), map.line(after, 1)),
+        None => NOTHING,
+    };
+    let mut row = (passing.end(map, patch, 1, step), map.line(patch, 1));
     for r in 0..SIDE {
-        let row = patch + (r * SIDE) as u32;
-        let (here, now) = (passing.end(map, row, 1, step), map.line(row, 1));
-        let along = |row: &Lanes<f32>, last: f32| each(|c| if c + 1 < SIDE { row[(c + 1) % SIDE] } else { last });
-        if let Some((end, after)) = &right {
-            let other = End {
-                occupied: along(&here.occupied, end.occupied[r]),
-                loss: [0, 1].map(|x| along(&here.loss[x], end.loss[x][r])),
-            };
-            let both = &mut map.make(tile).both[0];
-            edges(both, from + r * SIDE, [&here, &other], [&now, &along(&now, after[r])], drawn);
-        } else {
-            let other = End { occupied: along(&here.occupied, 0.5), loss: [0, 1].map(|x| along(&here.loss[x], 0.0)) };
-            edges(&mut map.make(tile).both[0], from + r * SIDE, [&here, &other], [&now, &along(&now, 0.5)], drawn);
-        }
-        let inside = r + 1 < SIDE;
-        let next = inside.then(|| (passing.end(map, row + SIDE as u32, 1, step), map.line(row + SIDE as u32, 1)));
-        if let Some((other, after)) = next.as_ref().or(above.as_ref()) {
-            edges(&mut map.make(tile).both[1], from + r * SIDE, [&here, other], [&now, after], drawn);
-        }
+        let next = match r + 1 < SIDE {
+            true => {
+                let next = patch + ((r + 1) * SIDE) as u32;
+                (passing.end(map, next, 1, step), map.line(next, 1))
+            }
+            false => above,
+        };
+        let (here, now) = &row;
+        let beside = End {
+            occupied: along(&here.occupied, right.0.occupied[r]),
+            loss: [along(&here.loss[0], right.0.loss[0][r]), along(&here.loss[1], right.0.loss[1][r])],
+        };
+        let [to_right, to_above] = &mut map.make(tile).both;
+        edges(to_right, from + r * SIDE, [here, &beside], [now, &along(now, right.1[r])], drawn);
+        edges(to_above, from + r * SIDE, [here, &next.0], [now, &next.1], drawn);
+        row = next;
     }
+}
+
+/// Beyond the border of the grid: edges to there are not read.
+const NOTHING: (End, Lanes<f32>) = (End { occupied: [0.5; SIDE], loss: [[0.0; SIDE]; 2] }, [0.5; SIDE]);
+
+/// A row moved to the left, with what comes from its right.
+#[inline(always)]
+fn along(row: &Lanes<f32>, last: f32) -> Lanes<f32> {
+    each(|c| if c + 1 < SIDE { row[(c + 1) % SIDE] } else { last })
 }
 
 /// The edges into a patch from those before it, where these stand still.
@@ -373,12 +420,10 @@ fn edges_from_before(map: &mut Map, passing: &Passing, patch: u32, step: &Step, 
 fn edges(joints: &mut [f32; TILE], from: usize, was: [&End; 2], is: [&Lanes<f32>; 2], [prior, both]: [f32; 2]) {
     let [first, second] = was;
     let ee: Lanes<f32> = each(|c| joints[from + c]);
-    let ef = each(|c| (first.occupied[c] - ee[c]).max(0.0));
-    let fe = each(|c| (second.occupied[c] - ee[c]).max(0.0));
-    let ff = each(|c| (1.0 - ee[c] - ef[c] - fe[c]).max(0.0));
+    let ef = each(|c| more(first.occupied[c] - ee[c], 0.0));
+    let fe = each(|c| more(second.occupied[c] - ee[c], 0.0));
+    let ff = each(|c| more(1.0 - ee[c] - ef[c] - fe[c], 0.0));
     let ([a, not_a], [b, not_b]) = (&first.loss, &second.loss);
-    let more = |x: f32, y: f32| if x > y { x } else { y };
-    let less = |x: f32, y: f32| if x < y { x } else { y };
     let neither = each(|c| ee[c] * (1.0 - more(a[c], b[c])));
     let one = each(|c| {
         ee[c] * (more(a[c], b[c]) - less(a[c], b[c]))
