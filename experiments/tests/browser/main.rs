@@ -27,9 +27,14 @@ struct Results {
 
 impl Results {
     fn new() -> Self {
+        Self::of(include_str!("closet.toml"))
+    }
+
+    /// The results of a scene.
+    fn of(text: &str) -> Self {
         let folder = tempfile::tempdir().expect("temporary folder");
         let scene = folder.path().join("closet.toml");
-        fs::write(&scene, include_str!("closet.toml")).expect("writable");
+        fs::write(&scene, text).expect("writable");
         let mut command = Command::cargo_bin("experiments").expect("built");
         command.current_dir(folder.path()).args(["room", "--scene", "closet.toml", "--out", "o"]).assert().success();
         Self { folder }
@@ -98,6 +103,42 @@ fn it_opens_without_an_error_or_a_request_and_is_small() {
     assert!(opened > 0, "the page itself is noted, so others would be");
     assert!(fs::metadata(results.page()).expect("there").len() < 3_000_000);
     assert_eq!(browser.get("document.getElementById('viewer').hidden"), json!(false));
+}
+
+/// Somebody who walks along the far wall of the closet.
+const WALKER: &str =
+    "[[mover]]\nradius = 0.15\nroute = [[0.7, 1.65], [2.4, 1.65]]\nspeed_m_s = 0.4\nrepeat = \"back_and_forth\"\n";
+
+#[test]
+fn what_moves_is_drawn_where_it_is_and_true_there() {
+    let results = Results::of(&(include_str!("closet.toml").to_owned() + WALKER));
+    let browser = Browser::start();
+    browser.open(&results.page(), "");
+    let legend = browser.get("document.getElementById('viewer-legend').textContent").to_string();
+    assert!(legend.contains("what moves, where it is now"), "{legend}");
+    // Place of the walker, and the truth of the cell under it.
+    let walker = "(() => {
+        const [x, y] = shown.ground.things[chosen.moment][0], { origin_m, cell_m, width } = shown.world;
+        const [column, row] = [(x - origin_m[0]) / cell_m, (y - origin_m[1]) / cell_m].map(Math.floor);
+        return [x, y, shown.ground.truth[row * width + column]];
+    })()";
+    let to = |moment: usize| {
+        browser.get(&format!(
+            "(() => {{ const slider = document.getElementById('viewer-time'); slider.value = {moment};
+                slider.dispatchEvent(new Event('input')); return chosen.moment; }})()"
+        ))
+    };
+    let mut former = None;
+    for moment in [0, 5, 10] {
+        assert_eq!(to(moment), json!(moment));
+        let at = browser.get(walker);
+        assert_eq!(at[2], json!(1), "somebody stands there: {at}");
+        let now = (at[0].to_string(), pixels(&browser, "viewer-first"));
+        assert!(
+            former.replace(now.clone()).is_none_or(|former: (String, String)| former.0 != now.0 && former.1 != now.1)
+        );
+    }
+    assert!(browser.notes("browser").is_empty());
 }
 
 #[test]
@@ -422,7 +463,7 @@ fn two_worlds(results: &Results, folder: &Path) -> PathBuf {
             scans: s.scans,
         };
         let stages: Vec<_> = trial.simulation.stages.iter().map(stage).collect();
-        let mut world = ViewedWorld::new(&ground, &trial, &stages, &moments);
+        let mut world = ViewedWorld::new(&ground, &trial, &stages, &moments).expect("of this ground");
         assert_eq!(world.moments.last().and_then(|moment| moment.parts.clone()), Some(film::parts(&trial.seen)));
         world.name = format!("closet <{seed}>");
         world.mappers[1].frames.retain(|frame| stages.iter().any(|stage| stage.scans == frame.scans));
