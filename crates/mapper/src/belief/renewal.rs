@@ -78,8 +78,8 @@ impl Elapsed {
         let masses = [p, 1.0 - p];
         let drawn = [prior, 1.0 - prior];
         let mut after = [[0.0; KINDS]; 2];
-        for kind in 0..KINDS {
-            let left = [0, 1].map(|x| masses[x] * dot(&self.kept[kind], &before.kinds[x]));
+        for (kind, kept) in self.kept.iter().enumerate() {
+            let left = [0, 1].map(|x| masses[x] * dot(kept, &before.kinds[x]));
             let was: f64 = (0..2).map(|x| masses[x] * before.kinds[x][kind]).sum();
             let is = self.same_kind * was + (1.0 - self.same_kind) * self.shares[kind];
             let renewed = (is - left[0] - left[1]).max(0.0);

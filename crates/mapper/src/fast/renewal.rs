@@ -163,7 +163,7 @@ impl Changes {
             self.passing.places[passed.tile] = STANDS;
         }
         self.passing.number = 0;
-        let mut last = (0.0, Step::of(&self.renewal.over(0.0)));
+        let mut last = (0.0f64, Step::of(&self.renewal.over(0.0)));
         for tile in tiles {
             // What nobody has seen stays as it was: its prior.
             if !self.shares.is_made(tile) {
@@ -175,7 +175,7 @@ impl Changes {
                 continue;
             }
             shares.at_s = now_s;
-            if seconds != last.0 {
+            if seconds.to_bits() != last.0.to_bits() {
                 last = (seconds, Step::of(&self.renewal.over(seconds)));
             }
             let occupied = map.at(tile).occupied;
@@ -253,14 +253,10 @@ fn places(passed: &mut Passed, row: usize, prior: f32, tile: &mut Tile, shares: 
     // P(kind | E), P(kind | not E).
     let kinds = [kinds(&shares.of[0], row), kinds(&shares.of[1], row)];
     let (lost, drawn) = (weighted(&step.loss, &kinds[0]), weighted(&step.loss, &kinds[1]));
-    for c in 0..SIDE {
-        passed.loss[0][row + c] = lost[c];
-        passed.loss[1][row + c] = drawn[c];
-    }
+    passed.loss[0][row..row + SIDE].copy_from_slice(&lost);
+    passed.loss[1][row..row + SIDE].copy_from_slice(&drawn);
     let after = each(|c| after(p[c], lost[c], drawn[c], prior));
-    for c in 0..SIDE {
-        tile.occupied[row + c] = after[c];
-    }
+    tile.occupied[row..row + SIDE].copy_from_slice(&after);
     let noise = dither(passed.tile, row, shares.at_s);
     for k in 1..KINDS {
         let (left_e, left_f) = (weighted(&step.kept[k], &kinds[0]), weighted(&step.kept[k], &kinds[1]));
@@ -274,9 +270,7 @@ fn places(passed: &mut Passed, row: usize, prior: f32, tile: &mut Tile, shares: 
             let shift = 8 * (2 * x + k - 1) as u32;
             let up = each(|c| ((noise[c] >> shift) & 255) as i32 as f32 * (1.0 / 256.0));
             let units = each(|c| whole(share[c] * UNITS + up[c]));
-            for c in 0..SIDE {
-                shares.of[x][k - 1][row + c] = units[c];
-            }
+            shares.of[x][k - 1][row..row + SIDE].copy_from_slice(&units);
         }
     }
 }
