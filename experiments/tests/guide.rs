@@ -138,14 +138,19 @@ fn the_summary_names_every_page_once() {
 
 /// The mean of a metric over the 120 worlds, as the committed scores have it.
 fn mean(mapper: &str, region: &str, metric: &str, decimals: usize) -> String {
-    let path = root().join(format!("results/compare/scores-{mapper}.csv"));
+    mean_of("compare", 100, mapper, (region, metric), decimals)
+}
+
+/// The mean of a metric over the worlds of a comparison, of which more than so many have it.
+fn mean_of(folder: &str, worlds: usize, mapper: &str, (region, metric): (&str, &str), decimals: usize) -> String {
+    let path = root().join(format!("results/{folder}/scores-{mapper}.csv"));
     let mut table = csv::Reader::from_path(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let heads = table.headers().expect("heads").clone();
     let column = |name: &str| heads.iter().position(|head| head == name).expect("a column");
     let (at, value) = (column("region"), column(metric));
     let rows = table.records().map(|row| row.expect("a row")).filter(|row| &row[at] == region);
     let values: Vec<f64> = rows.filter_map(|row| row[value].parse().ok()).collect();
-    assert!(values.len() > 100, "{mapper} {metric}: {}", values.len());
+    assert!(values.len() > worlds, "{mapper} {metric}: {}", values.len());
     format!("{:.decimals$}", values.iter().sum::<f64>() / values.len() as f64)
 }
 
@@ -198,6 +203,42 @@ fn the_numbers_of_the_guide_are_those_of_the_committed_results() {
     for row in drives {
         let metrics = ["reached", "colliding", "footprint_reached", "footprint_colliding"];
         assert_eq!(row[1..], metrics.map(|metric| mean(name(&row[0]), "all", metric, 3)), "{}", row[0]);
+    }
+}
+
+#[test]
+fn the_worlds_that_move_of_the_guide_are_those_of_the_committed_comparison() {
+    let page = read(&root().join("experiments/guide/moving.md"));
+    let people = table(&page, "| mapper | log loss | static |");
+    assert_eq!(people.len(), 7);
+    let columns = [
+        (("observable", "log_loss"), 3),
+        (("static", "static_accuracy"), 3),
+        (("swept", "dynamic_accuracy"), 3),
+        (("swept", "harmonic_accuracy"), 3),
+        (("swept", "trail_area"), 2),
+        (("changed", "lag_looks"), 1),
+    ];
+    for row in people {
+        let of = |(column, decimals)| mean_of("compare-people", 29, name(&row[0]), column, decimals);
+        assert_eq!(row[1..], columns.map(of), "{}", row[0]);
+    }
+    let path = root().join("results/compare/repeats.csv");
+    let mut repeats = csv::Reader::from_path(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let heads = repeats.headers().expect("heads").clone();
+    let column = |name: &str| heads.iter().position(|head| head == name).expect("a column");
+    let at = ["readings", "mapper", "repeats", "log_loss"].map(column);
+    let records: Vec<csv::StringRecord> = repeats.records().map(|row| row.expect("a row")).collect();
+    let standing = table(&page, "| readings | mapper | 1 |");
+    assert_eq!(standing.len(), 6);
+    for row in standing {
+        let mean = |repeats: &str| {
+            let asked = [row[0].as_str(), name(&row[1]), repeats];
+            let rows = records.iter().filter(|r| (0..3).all(|k| &r[at[k]] == asked[k]));
+            let losses: Vec<f64> = rows.map(|r| r[at[3]].parse().expect("a number")).collect();
+            format!("{:.3}", losses.iter().sum::<f64>() / losses.len() as f64)
+        };
+        assert_eq!(row[2..], ["1", "10", "100", "1000"].map(mean), "{} {}", row[0], row[1]);
     }
 }
 
