@@ -9,8 +9,10 @@ use crate::rules::log_odds::LogOdds;
 /// AAAI 2012. A cell is a hidden Markov model of two states; between looks the belief goes through the matrix of transitions, at a look
 /// it is multiplied by the likelihoods of what was seen (the forward algorithm, which is exact):
 ///
-///     p  <-  (1 - P(occupied -> free)) p + P(free -> occupied) (1 - p)      each second
-///     p  <-  P(z | occupied) p / (P(z | occupied) p + P(z | free) (1 - p))  each look
+/// ```text
+/// p  <-  (1 - P(occupied -> free)) p + P(free -> occupied) (1 - p)      each second
+/// p  <-  P(z | occupied) p / (P(z | occupied) p + P(z | free) (1 - p))  each look
+/// ```
 ///
 /// A look is a hit or a miss, with the likelihood ratios that the inverse model of OctoMap stands for, `hit / (1 - hit)` and
 /// `miss / (1 - miss)`, its clamps left out. The transitions have the prior for their stationary distribution, so that a cell that is not
