@@ -54,16 +54,13 @@ impl<A: Ageing> AgeingIncrements<A> {
     /// The map now.
     fn raster(&self) -> Raster<f64> {
         let tiles = self.increments.tiles();
-        let (numbering, spec) = (tiles.numbering, *tiles.numbering.spec());
-        let occupied = |cell: usize| {
-            let (tile, place) = crate::fast::tiles::split(numbering.of(cell));
+        tiles.raster_by_number([0, 0], *tiles.numbering.spec(), |tile, place| {
             let state = tiles.at(tile).log_odds[place];
             if state.is_nan() {
                 return self.prior;
             }
             self.ageing.occupied(self.ageing.aged(state, self.now_s - self.updated_s.at(tile)[place]))
-        };
-        Raster::new(spec, (0..spec.cells()).map(occupied).collect())
+        })
     }
 }
 

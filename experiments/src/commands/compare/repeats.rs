@@ -1,5 +1,7 @@
 //! A robot that stands: how often may evidence be counted that is not new, and is what is new still used?
 
+use grid::Raster;
+use mapper::Mapper;
 use mapper::catalogue::{Entry, Kind};
 use scene::{Drive, Family, Motion, SimulatedScan, TimedPose};
 use score::{Region, Scorer};
@@ -83,11 +85,15 @@ pub fn repeat(
     let mut repeated = Vec::new();
     for number in (0..scans).map(|k| k * simulation.scans.len() / scans) {
         let simulated = &simulation.scans[number];
+        let mut witness = Witness::new(&site.ground);
+        witness.look(&site.ground, number, simulated)?;
+        let mask = witness.seen.mask(Region::Observable);
+        let scorer = Scorer::new(witness.truth(&site.ground), witness.seen.surface())?;
         for readings in Readings::ALL {
             let stand = stand(&site, simulated, readings, job.world.seed, counts.last().copied().unwrap_or(0));
             for entry in mappers.iter().filter(|entry| entry.kind == Kind::Online) {
                 let at = Repeated::unscored(job, number, readings, entry.name);
-                repeated.extend(scored(&site, entry, (number, simulated), &stand, counts, &at)?);
+                repeated.extend(scored(entry.mapper(&site.setup), (&scorer, &mask), &stand, counts, &at)?);
             }
         }
     }
@@ -118,20 +124,14 @@ fn stand(site: &Site, first: &SimulatedScan, readings: Readings, seed: u64, coun
     }
 }
 
-/// One mapper's maps of these scans, over what the first could see.
+/// A mapper's maps of these scans, over what the first could see.
 fn scored(
-    site: &Site,
-    entry: &Entry,
-    (number, first): (usize, &SimulatedScan),
+    mut mapper: Box<dyn Mapper>,
+    (scorer, mask): (&Scorer, &Raster<bool>),
     scans: &[Scan],
     counts: &[usize],
     at: &Repeated,
 ) -> Result<Vec<Repeated>, Failure> {
-    let mut witness = Witness::new(&site.ground);
-    witness.look(&site.ground, number, first)?;
-    let mask = witness.seen.mask(Region::Observable);
-    let scorer = Scorer::new(witness.truth(&site.ground), witness.seen.surface())?;
-    let mut mapper = entry.mapper(&site.setup);
     let mut done = 0;
     let mut rows = Vec::new();
     for &repeats in counts {
@@ -140,7 +140,7 @@ fn scored(
         mapper.settle();
         // A program that gives no map has no values.
         let has_map = mapper.outside().is_none_or(|outside| outside.fault.is_none());
-        let scores = has_map.then(|| scorer.scores(mapper.occupancy(), &mask)).transpose()?;
+        let scores = has_map.then(|| scorer.scores(mapper.occupancy(), mask)).transpose()?;
         rows.push(Repeated {
             repeats,
             log_loss: scores.as_ref().and_then(|scores| scores.log_loss.value),
