@@ -29,8 +29,6 @@ pub use again::page as renewed_page;
 pub use options::CompareOptions;
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use self::board::Board;
@@ -122,10 +120,9 @@ fn configuration(plan: &Plan, record: &Record<Parts>) -> Result<String, Failure>
 fn map_worlds(plan: &Plan, out: &Path, configuration: &str) -> Result<Vec<WorldScores>, Failure> {
     let jobs = plan.jobs();
     let journal = Journal::open(out, configuration)?;
-    let finished = Arc::new(AtomicUsize::new(0));
-    let (done, all, place) = (Arc::clone(&finished), jobs.len(), out.display().to_string());
+    let (kept, all, place) = (journal.clone(), jobs.clone(), out.display().to_string());
     interruption::keeps(move || {
-        let done = done.load(Ordering::SeqCst);
+        let (done, all) = (kept.kept(&all), all.len());
         let kept =
             format!("{done} of {all} worlds are finished and kept in {place}; run the same command again to go on");
         (done > 0).then_some(kept)
@@ -140,7 +137,6 @@ fn map_worlds(plan: &Plan, out: &Path, configuration: &str) -> Result<Vec<WorldS
                 world
             }
         };
-        finished.fetch_add(1, Ordering::SeqCst);
         progress.step();
         if progress.is_seen() {
             progress.say(&board.with(&world));

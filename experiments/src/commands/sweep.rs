@@ -104,7 +104,7 @@ fn work(manifest: &Manifest, named: Option<&Vec<u32>>, threads: Option<u32>) -> 
     }
     threads::limit(threads)?;
     shard::remove_leftovers(&manifest.folder);
-    let not_done = |shard: &u32| !matches!(shard::state(manifest, *shard), State::Done { .. });
+    let not_done = |shard: &u32| !shard::is_done(manifest, *shard);
     let shards =
         named.map_or_else(|| shard::missing(manifest), |named| named.iter().copied().filter(not_done).collect());
     let threads = rayon::current_num_threads();

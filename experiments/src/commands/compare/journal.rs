@@ -16,7 +16,7 @@ const PREFIX: &str = ".finished-";
 ///
 /// Its name holds a digest of the configuration and of the program: worlds that were mapped with
 /// other options, or by another build, are not taken for those asked for.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Journal {
     folder: PathBuf,
 }
@@ -38,6 +38,12 @@ impl Journal {
             Ok(State::Done { .. }) => serde_json::from_slice(&line).ok(),
             _ => None,
         }
+    }
+
+    /// How many of these worlds are kept, by their files: whoever interrupts may have seen one that its job has not yet
+    /// counted.
+    pub fn kept(&self, jobs: &[WorldJob]) -> usize {
+        jobs.iter().filter(|job| self.read(job).is_some()).count()
     }
 
     /// Keeps a finished world: whole or not at all.
@@ -104,6 +110,7 @@ mod tests {
         journal.keep(&world(1)).expect("writable");
         assert_eq!(journal.read(&world(1).job), Some(world(1)));
         assert_eq!(journal.read(&world(2).job), None);
+        assert_eq!(journal.kept(&[world(1).job, world(2).job]), 1);
         assert_eq!(journal.read(&WorldJob { batch: false, ..world(1).job }), None, "fewer mappers ran on it");
         assert_eq!(Journal::open(out.path(), "two").expect("the build").read(&world(1).job), None);
 

@@ -1,8 +1,7 @@
 //! The local engine: every thread takes a shard that is not done.
 
 use std::ops::ControlFlow;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::manifest::Manifest;
 use super::shard;
@@ -27,10 +26,11 @@ pub struct Ran {
 pub fn run(manifest: &Manifest, shards: &[u32], threads: usize) -> Result<Ran, Failure> {
     let jobs: u64 = shards.iter().map(|shard| manifest.jobs_of(*shard)).sum();
     let progress = Jobs::new(jobs);
-    let done = Arc::new(AtomicUsize::new(0));
-    let (so_far, all, place) = (Arc::clone(&done), shards.len(), manifest.folder.display().to_string());
+    let (kept, all) = (manifest.clone(), shards.to_vec());
     interruption::keeps(move || {
-        let done = so_far.load(Ordering::SeqCst);
+        // By their files: whoever interrupts may have seen one that is not yet counted.
+        let done = all.iter().filter(|number| shard::is_done(&kept, **number)).count();
+        let (all, place) = (all.len(), kept.folder.display());
         Some(format!(
             "{done} of {all} shards were finished and are kept in {place}; run the same command again to go on"
         ))
@@ -38,9 +38,8 @@ pub fn run(manifest: &Manifest, shards: &[u32], threads: usize) -> Result<Ran, F
     let failed = AtomicU64::new(0);
     let outcomes = engine::each(shards, threads, |&number| {
         let outcome = shard_of(manifest, number, &progress, &failed);
-        match &outcome {
-            Ok(()) => drop(done.fetch_add(1, Ordering::SeqCst)),
-            Err(failure) => shard::note_failure(manifest, number, &failure.to_string()),
+        if let Err(failure) = &outcome {
+            shard::note_failure(manifest, number, &failure.to_string());
         }
         Ok(outcome.err())
     });
@@ -53,7 +52,7 @@ pub fn run(manifest: &Manifest, shards: &[u32], threads: usize) -> Result<Ran, F
 
 /// Runs a shard and writes its result, unless it is done: another worker may have been faster.
 fn shard_of(manifest: &Manifest, number: u32, progress: &Jobs, failed: &AtomicU64) -> Result<(), Failure> {
-    if matches!(shard::state(manifest, number), shard::State::Done { .. }) {
+    if shard::is_done(manifest, number) {
         progress.step(manifest.jobs_of(number), failed.load(Ordering::Relaxed), None);
         return Ok(());
     }

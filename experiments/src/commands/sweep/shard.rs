@@ -53,10 +53,14 @@ pub fn state(manifest: &Manifest, shard: u32) -> State {
     copy(manifest, shard, &mut io::sink()).unwrap_or(State::Invalid)
 }
 
+/// Whether a shard is done.
+pub fn is_done(manifest: &Manifest, number: u32) -> bool {
+    matches!(state(manifest, number), State::Done { .. })
+}
+
 /// The shards that are not done, in order.
 pub fn missing(manifest: &Manifest) -> Vec<u32> {
-    let done = |shard: &u32| matches!(state(manifest, *shard), State::Done { .. });
-    (0..manifest.head.shards).filter(|shard| !done(shard)).collect()
+    (0..manifest.head.shards).filter(|number| !is_done(manifest, *number)).collect()
 }
 
 /// Numbers in rising order as Slurm writes them: `0-3,7`.

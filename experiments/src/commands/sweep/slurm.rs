@@ -13,7 +13,6 @@ use std::time::Duration;
 use self::batch::{Array, arrays, script};
 use super::manifest::Manifest;
 use super::options::SlurmOptions;
-use super::shard::State;
 use super::{outcome, shard};
 use crate::failure::Failure;
 use crate::figures::Paper;
@@ -88,7 +87,7 @@ fn follow(manifest: &Manifest, jobs: &mut BTreeSet<String>, options: &SlurmOptio
     let mut missing = shard::missing(manifest);
     let mut said = usize::MAX;
     loop {
-        missing.retain(|number| !matches!(shard::state(manifest, *number), State::Done { .. }));
+        missing.retain(|number| !shard::is_done(manifest, *number));
         if missing.is_empty() {
             return Ok(()); // what is left of the tasks finds its shards done
         }
