@@ -9,7 +9,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
 use sensor::{Pose, Scan, Stereo};
 
-const RENEWAL: Renewal = Renewal { rates_per_s: [3e-5, 3e-3, 0.5], shares: [0.9, 0.08, 0.02], turnover_per_s: 1e-3 };
+const RENEWAL: Renewal =
+    Renewal { rates_per_s: [3e-5, 3e-3, 0.5], shares: [0.9, 0.08, 0.02], turnover_per_s: 1e-3, step_s: 0.0 };
 
 /// Side of a tile of the fast map, cells: the unit for which time passes.
 const TILE_SIDE: usize = 16;
@@ -51,11 +52,12 @@ proptest! {
     fn it_is_the_reference_after_two_scans(
         seed: u64, width in 1usize..70, height in 1usize..70, cell_m in 0.03f64..0.3, occupancy in 0.02f64..0.5,
         correlation in 0.0f64..0.97, seconds in 0.0f64..20.0, first_s in -5.0f64..1e6, rate in 0.01f64..2.0, share in 0.001f64..0.5,
+        step_s in prop_oneof![Just(0.0), 0.1f64..9.0],
     ) {
         let grid = GridSpec { cell_m, origin_m: [0.0; 2], width, height };
         let prior = Prior { occupancy, correlation, ..Prior::default() };
         let setup = Model { prior, ..Model::new(grid, Arc::new(Stereo::default())) };
-        let renewal = Renewal { rates_per_s: [3e-5, 3e-3, rate], shares: [0.92 - share, 0.08, share], ..RENEWAL };
+        let renewal = Renewal { rates_per_s: [3e-5, 3e-3, rate], shares: [0.92 - share, 0.08, share], step_s, ..RENEWAL };
         let (mut fast, mut reference) = (FastVisibility::dynamic(&setup, renewal), Dynamic::new(&setup, renewal));
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         for number in 0..2 {

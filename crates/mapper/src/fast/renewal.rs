@@ -4,6 +4,7 @@
 //! that is done on the way, so that tiles nobody looks at cost nothing. A joint across the border of two tiles that stand at different
 //! times is brought from the one end alone.
 
+mod reached;
 mod step;
 
 use grid::{GridSpec, Raster};
@@ -11,9 +12,9 @@ use sensor::Ray;
 
 use crate::belief::renewal::{KINDS, Renewal};
 use crate::fast::map::Map;
+use crate::fast::renewal::reached::Reached;
 use crate::fast::renewal::step::{Passed, Passing, STANDS, Step, UNSEEN, after, pass};
-use crate::fast::tiles::{Numbering, TILE, Tiles, split};
-use crate::fast::walk::{Place, Walk};
+use crate::fast::tiles::{TILE, Tiles};
 use crate::memory::Held;
 
 /// Units of a share: it is a whole number of them.
@@ -37,6 +38,8 @@ pub(super) struct Changes {
     shares: Tiles<Shares>,
     /// Time of the last scan, s; none before the first.
     now_s: Option<f64>,
+    /// The tiles that the last scan may move.
+    reached: Reached,
     passing: Passing,
 }
 
@@ -47,25 +50,33 @@ impl Changes {
         let unseen = Shares { at_s: 0.0, of: [[share(1), share(2)]; 2] };
         let prior = map.of_unseen();
         let passing = Passing { places: vec![UNSEEN; map.numbering.tiles()], ..Passing::default() };
-        Self { renewal, prior, shares: Tiles::new(map.numbering, unseen), now_s: None, passing }
+        Self {
+            renewal,
+            prior,
+            shares: Tiles::new(map.numbering, unseen),
+            now_s: None,
+            reached: Reached::default(),
+            passing,
+        }
     }
 
-    /// A scan is taken at this time, s. Time that goes back stands still.
+    /// A scan is taken at this time, s.
     pub(super) fn go_on(&mut self, time_s: f64) {
-        self.now_s = Some(self.now_s.map_or(time_s, |last| last.max(time_s)));
+        self.now_s = Some(self.renewal.stands_at(time_s, self.now_s));
     }
 
     /// Before the scan: brings the tiles that it may move to its time.
     pub(super) fn pass(&mut self, map: &mut Map, rays: &[Ray]) {
-        let tiles = reached(&map.numbering, rays);
-        self.select(map, tiles.iter().copied());
-        self.passing.reached = tiles;
+        let mut reached = std::mem::take(&mut self.reached);
+        reached.renew(&map.numbering, rays);
+        self.select(map, reached.tiles().iter().copied());
+        self.reached = reached;
         pass(map, self);
     }
 
     /// After a scan: the tiles that it made stand at its time.
     pub(super) fn adopt(&mut self, map: &Map) {
-        for tile in self.passing.reached.iter().copied().filter(|tile| map.is_made(*tile)) {
+        for tile in self.reached.tiles().iter().copied().filter(|tile| map.is_made(*tile)) {
             if !self.shares.is_made(tile) {
                 self.shares.make(tile).at_s = self.now_s.unwrap_or_default();
                 self.passing.places[tile] = STANDS;
@@ -152,29 +163,9 @@ impl<'a> Steps<'a> {
     }
 }
 
-/// The tiles that rays cross, and those beside them, since a scan moves the edges to these too; in the order of their numbers.
-fn reached(numbering: &Numbering, rays: &[Ray]) -> Vec<usize> {
-    let mut is_reached = vec![false; numbering.tiles()];
-    for ray in rays {
-        let Some(start) = numbering.spec().locate(ray.origin_m) else { continue };
-        let at = numbering.column_row(numbering.of(start)).map(|k| k as u32);
-        let mut walk = Walk::new(numbering, ray.origin_m, ray.direction, Place { at, entered: 0.0 });
-        loop {
-            is_reached[split(numbering.at(walk.place.at)).0] = true;
-            let Some(next) = walk.crossing().next else { break };
-            walk.place = next;
-        }
-    }
-    let crossed: Vec<usize> = (0..is_reached.len()).filter(|tile| is_reached[*tile]).collect();
-    for (tile, beside) in crossed.iter().flat_map(|tile| numbering.beside(*tile).map(|beside| (tile, beside))) {
-        is_reached[beside.unwrap_or(*tile)] = true;
-    }
-    (0..is_reached.len()).filter(|tile| is_reached[*tile]).collect()
-}
-
 impl Held for Changes {
     fn held(&self) -> usize {
-        self.shares.held() + self.passing.tiles.held() + self.passing.reached.held() + self.passing.places.held()
+        self.shares.held() + self.passing.tiles.held() + self.reached.held() + self.passing.places.held()
     }
 }
 

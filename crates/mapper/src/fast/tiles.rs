@@ -48,6 +48,21 @@ impl Numbering {
         self.tiles[0] * self.tiles[1]
     }
 
+    /// Number of tiles along x and y.
+    pub(crate) fn size(&self) -> [usize; 2] {
+        self.tiles
+    }
+
+    /// Side of a tile, m.
+    pub(crate) fn side_m(&self) -> f64 {
+        TILE_SIDE as f64 * self.spec.cell_m
+    }
+
+    /// Place of a cell's tile along x and y, by its column and row.
+    pub(crate) fn tile_of(&self, cell: [usize; 2]) -> [usize; 2] {
+        cell.map(|at| at / TILE_SIDE)
+    }
+
     /// The tiles to the left, to the right, below and above a tile, where there are such.
     pub(crate) fn beside(&self, tile: usize) -> [Option<usize>; 4] {
         let [width, height] = self.tiles;

@@ -43,7 +43,7 @@ mod tests {
             first in place(), second in place(), both in 0.0f64..=1.0, prior in 0.01f64..0.9, seconds in 0.0f64..20.0,
             prior_both in 0.0f64..=1.0, stale: bool,
         ) {
-            let renewal = Renewal { rates_per_s, shares, turnover_per_s };
+            let renewal = Renewal { rates_per_s, shares, turnover_per_s, step_s: 0.0 };
             let within = |p: f64, q: f64, share: f64| {
                 let low = (p + q - 1.0).max(0.0);
                 low + share * (p.min(q) - low)

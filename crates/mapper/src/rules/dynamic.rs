@@ -47,14 +47,15 @@ impl Dynamic {
         self.visibility.set_pairs(pairs);
     }
 
-    /// Lets time pass up to `time_s`, s. Time that goes back stands still.
+    /// Lets time pass up to `time_s`, s, in steps of [`Renewal::step_s`]. Time that goes back stands still.
     pub fn pass(&mut self, time_s: f64) {
+        let time_s = self.renewal.stands_at(time_s, self.time_s);
         let seconds = self.time_s.map_or(0.0, |last| time_s - last);
         if seconds > 0.0 {
             let pairs = after(self.visibility.pairs(), &mut self.kinds, &self.renewal.over(seconds), self.prior);
             self.visibility.set_pairs(pairs);
         }
-        self.time_s = Some(self.time_s.map_or(time_s, |last| last.max(time_s)));
+        self.time_s = Some(time_s);
     }
 }
 

@@ -6,7 +6,7 @@ fn renewal() -> impl Strategy<Value = Renewal> {
     (prop::array::uniform3(0.0f64..3.0), prop::array::uniform3(0.01f64..1.0), 0.0f64..0.5).prop_map(
         |(rates_per_s, shares, turnover_per_s)| {
             let all: f64 = shares.iter().sum();
-            Renewal { rates_per_s, shares: shares.map(|share| share / all), turnover_per_s }
+            Renewal { rates_per_s, shares: shares.map(|share| share / all), turnover_per_s, step_s: 0.0 }
         },
     )
 }
@@ -108,7 +108,8 @@ proptest! {
 
 #[test]
 fn no_time_changes_nothing_and_much_of_it_everything() {
-    let renewal = Renewal { rates_per_s: [1e-5, 3e-3, 0.5], shares: [0.9, 0.08, 0.02], turnover_per_s: 1e-3 };
+    let renewal =
+        Renewal { rates_per_s: [1e-5, 3e-3, 0.5], shares: [0.9, 0.08, 0.02], turnover_per_s: 1e-3, step_s: 0.0 };
     let place = Place { occupied: 0.8, kinds: [[0.5, 0.3, 0.2], [0.1, 0.2, 0.7]] };
     for seconds in [0.0, -5.0] {
         let same = states(&renewal.over(seconds).place(&place, 0.1));

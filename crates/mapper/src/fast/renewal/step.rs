@@ -46,8 +46,6 @@ pub(super) struct Passing {
     pub(super) tiles: Vec<Passed>,
     /// How many of them there are now; the others are kept for the next scan.
     pub(super) number: usize,
-    /// The tiles that the last scan may move.
-    pub(super) reached: Vec<usize>,
     /// Of every tile of the map, its place among them, or [`STANDS`], or [`UNSEEN`].
     pub(super) places: Vec<u32>,
 }

@@ -1,6 +1,7 @@
 use super::*;
 use crate::belief::renewal::Place as Belief;
 use crate::fast::bounds::{bounded, possible};
+use crate::fast::tiles::split;
 use crate::model::Model;
 use crate::pairs::joint::{Joint, bounds};
 use crate::pairs::renewal::both_after;
@@ -52,7 +53,7 @@ proptest! {
         let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: size[0], height: size[1] };
         let mut model = Model::new(grid, Arc::new(Stereo::default()));
         model.prior.occupancy = occupancy;
-        let renewal = Renewal { rates_per_s: [0.01, 0.1, rate], shares: [0.7, 0.2, 0.1], turnover_per_s: 0.05 };
+        let renewal = Renewal { rates_per_s: [0.01, 0.1, rate], shares: [0.7, 0.2, 0.1], turnover_per_s: 0.05, step_s: 0.0 };
         let mut map = Map::unseen(&model);
         let mut changes = Changes::new(&map, renewal);
         let mut state = seed;
