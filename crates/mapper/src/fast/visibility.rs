@@ -218,7 +218,6 @@ impl Mapper for FastVisibility {
             changes: self.changes.clone(),
             occupancy: OnceCell::new(),
             pool: self.pool.clone(),
-            lateral: self.lateral.clone(),
             ..*self
         }))
     }
