@@ -23,6 +23,7 @@ pub(crate) mod lines;
 mod map;
 mod passage;
 mod passing;
+mod pool;
 mod reconcile;
 mod renewal;
 mod scan;

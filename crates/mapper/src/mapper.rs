@@ -22,13 +22,19 @@ pub trait Mapper: Send {
     /// [`settle`](Self::settle), or so far if the mapper is no batch mapper.
     fn occupancy(&self) -> &Raster<f64>;
 
+    /// Probability that one cell, by its index, is occupied: as [`occupancy`](Self::occupancy) has it, of a mapper that can tell it
+    /// without a raster of all.
+    fn occupied(&self, cell: usize) -> f64 {
+        self.occupancy()[cell]
+    }
+
     /// The joint probabilities of neighbours, of a map that holds them; made for the call.
     fn pairwise(&self) -> Option<PairwiseGrid> {
         None
     }
 
-    /// `ln P(readings of the scan | map)`, nats, of a scan that is not integrated; none of a mapper that does not predict
-    /// readings.
+    /// `ln P(readings of the scan | map)`, nats, of a scan that is not integrated, the rays taken for independent of each other; a
+    /// reading's density is per its unit. None of a mapper that does not predict readings, and of a scan that starts outside the map.
     fn evidence(&self, _scan: &Scan) -> Option<f64> {
         None
     }

@@ -31,6 +31,16 @@ pub(super) enum Outcome {
     Leapt,
 }
 
+/// What the map says of the readings of up to [`LANES`] rays.
+pub(super) struct Predicted {
+    /// `P(o | O)`, per unit of the reading; of a lane without a ray, anything.
+    pub(super) evidence: Lanes<f32>,
+    /// Single precision has no evidence for the reading.
+    pub(super) unlikely: Lanes<bool>,
+    /// The ray leapt where it should not have.
+    pub(super) leapt: Lanes<bool>,
+}
+
 /// Up to [`LANES`] rays. A buffer to fill again and again.
 pub(super) struct Bundle {
     trace: Trace,
@@ -121,25 +131,10 @@ impl Bundle {
         leap: bool,
         sums: &mut Sums,
     ) -> Lanes<Outcome> {
-        let mut beams = Beams::default();
-        let mut lines = Lines::new(inputs.map.numbering);
-        for (lane, ray) in rays.iter().enumerate() {
-            let Some(reading) = ray.reading else { continue };
-            if lines.start(lane, ray.origin_m, ray.direction, f64::INFINITY) {
-                beams.reading[lane] = reading;
-                beams.bearing_rad[lane] = ray.bearing_rad;
-            }
-        }
-        self.trace.start(inputs, lines);
-        self.leaps.start(inputs, &beams, leap);
-        self.follow(inputs, first, &beams, rays);
+        let Predicted { evidence, unlikely, leapt } = self.predict(inputs, (first, rays), leap);
         let followed = self.trace.length;
         self.cells += followed.iter().map(|length| u64::from(*length)).sum::<u64>();
         self.skipped += self.leaps.cells.iter().map(|cells| u64::from(*cells)).sum::<u64>();
-        let evidence = self.evidence(inputs, first, &beams, rays);
-        let unlikely: Lanes<bool> =
-            each(|l| followed[l] > 0 && !(evidence[l] > LEAST_EVIDENCE && evidence[l] < f32::INFINITY));
-        let leapt: Lanes<bool> = each(|l| !self.leaps.hold(l, evidence[l]) || self.leaps.cells[l] > 0 && unlikely[l]);
         let likely = each(|l| if unlikely[l] || leapt[l] { 0 } else { followed[l] });
         let normalise = evidence.map(|evidence| 1.0 / evidence); // alpha of Eq. (1)
         let steps = &self.trace.steps[..self.trace.taken];
@@ -164,6 +159,29 @@ impl Bundle {
             });
             Outcome::Added(Reach { last, end_m, whole: reach[l] == whole[l] })
         })
+    }
+
+    /// How likely the readings of up to [`LANES`] rays are, with `leap` and `first` as in [`update`](Self::update); the rays are
+    /// followed as far as that needs, and nothing is added to any sum.
+    pub(super) fn predict(&mut self, inputs: &Inputs, (first, rays): (usize, &[Ray]), leap: bool) -> Predicted {
+        let mut beams = Beams::default();
+        let mut lines = Lines::new(inputs.map.numbering);
+        for (lane, ray) in rays.iter().enumerate() {
+            let Some(reading) = ray.reading else { continue };
+            if lines.start(lane, ray.origin_m, ray.direction, f64::INFINITY) {
+                beams.reading[lane] = reading;
+                beams.bearing_rad[lane] = ray.bearing_rad;
+            }
+        }
+        self.trace.start(inputs, lines);
+        self.leaps.start(inputs, &beams, leap);
+        self.follow(inputs, first, &beams, rays);
+        let followed = self.trace.length;
+        let evidence = self.evidence(inputs, first, &beams, rays);
+        let unlikely: Lanes<bool> =
+            each(|l| followed[l] > 0 && !(evidence[l] > LEAST_EVIDENCE && evidence[l] < f32::INFINITY));
+        let leapt: Lanes<bool> = each(|l| !self.leaps.hold(l, evidence[l]) || self.leaps.cells[l] > 0 && unlikely[l]);
+        Predicted { evidence, unlikely, leapt }
     }
 
     /// The cells that rays of the last update have leapt over, with their lanes.

@@ -170,11 +170,16 @@ pub(super) fn follow(map: &mut Map, sums: &Sums, sheet: usize, moved: &Moved) {
 }
 
 fn follow_across(map: &mut Map, [before, first]: [u32; 2], axis: usize, moved: &Moved) {
-    for k in (0..SIDE).map(|k| k * [SIDE, 1][axis]).filter(|k| moved[*k] != 0.0) {
-        let q = map.occupied(first + k as u32);
-        let (tile, place) = split(before + k as u32);
-        let other = map.make(tile);
+    let stride = [SIDE, 1][axis];
+    if (0..SIDE).all(|k| moved[k * stride] == 0.0) {
+        return;
+    }
+    let q = map.line(first, stride);
+    let (tile, from) = split(before);
+    let other = map.make(tile);
+    for k in (0..SIDE).filter(|k| moved[k * stride] != 0.0) {
+        let place = from + k * stride;
         let both = &mut other.both[axis][place];
-        *both = possible(other.occupied[place], q, *both + 0.5 * moved[k]);
+        *both = possible(other.occupied[place], q[k], *both + 0.5 * moved[k * stride]);
     }
 }

@@ -13,7 +13,7 @@ use sensor::{Ray, SensorModel};
 
 use crate::belief::lateral::Lateral;
 use crate::belief::prior::Continuity;
-use crate::fast::bundle::{Bundle, Outcome};
+use crate::fast::bundle::{Bundle, Outcome, Predicted};
 use crate::fast::inputs::Inputs;
 use crate::fast::lateral::Layers;
 use crate::fast::map::{Map, summarise};
@@ -114,6 +114,11 @@ impl Workspace {
         workers.iter_mut().fold([0; 2], |[cells, skipped], Worker { bundle, .. }| {
             [cells + std::mem::take(&mut bundle.cells), skipped + std::mem::take(&mut bundle.skipped)]
         })
+    }
+
+    /// `ln P(readings | map)` of rays, each by itself, nats: what phase 2 divides by, in the same precision.
+    pub(super) fn evidence(&mut self, inputs: &Inputs, rays: &[Ray]) -> f64 {
+        rays.chunks(LANES).map(|rays| self.workers[0].evidence(inputs, rays, true)).sum()
     }
 
     /// Phase 3.
@@ -226,7 +231,27 @@ impl Worker {
         }
     }
 
-    fn update_slowly(&mut self, inputs: &Inputs, number: usize, ray: &Ray) -> Reach {
+    /// `ln P(readings | map)` of up to [`LANES`] rays. Those that should not have leapt are asked about once more, together; of those
+    /// that single precision has no evidence for, double precision has some.
+    fn evidence(&mut self, inputs: &Inputs, rays: &[Ray], leap: bool) -> f64 {
+        let Predicted { evidence, unlikely, leapt } = self.bundle.predict(inputs, (0, rays), leap);
+        let (mut sum, mut again) = (0.0, Vec::new());
+        for (l, ray) in rays.iter().enumerate() {
+            if leapt[l] {
+                again.push(*ray);
+                continue;
+            }
+            if unlikely[l] {
+                self.follow_slowly(inputs, 0, ray);
+            }
+            let evidence = if unlikely[l] { self.slow.posterior.evidence } else { f64::from(evidence[l]) };
+            sum += libm::log(evidence.max(f64::MIN_POSITIVE));
+        }
+        if again.is_empty() { sum } else { sum + self.evidence(inputs, &again, false) }
+    }
+
+    /// A ray in double precision.
+    fn follow_slowly(&mut self, inputs: &Inputs, number: usize, ray: &Ray) {
         let numbering = &inputs.map.numbering;
         let spec = numbering.spec();
         let both = |pair: &[usize]| {
@@ -241,6 +266,12 @@ impl Worker {
         };
         let others = inputs.others.map(|others| (others, number));
         self.slow.update(ray, spec, (inputs.sensor, inputs.onset), others, exact::posterior, gather);
+    }
+
+    fn update_slowly(&mut self, inputs: &Inputs, number: usize, ray: &Ray) -> Reach {
+        self.follow_slowly(inputs, number, ray);
+        let numbering = &inputs.map.numbering;
+        let spec = numbering.spec();
         let (RayUpdate { ray, posterior, .. }, sums) = (&self.slow, &mut self.sums);
         let cells = ray.line.cells();
         if let &[only] = cells {

@@ -1,6 +1,7 @@
-//! A map in square tiles that are made when a reading moves one of their cells, so that memory follows what was seen.
+//! A map in square tiles that are made when a reading moves one of their cells, so that memory follows what was seen. Copies of
+//! a map share its tiles; one that writes to a shared tile takes a copy of that tile first.
 
-use std::sync::OnceLock;
+use std::sync::Arc;
 
 use grid::{GridSpec, Raster};
 use sensor::lanes::{LANES, Lanes, each};
@@ -143,24 +144,25 @@ pub(crate) fn split(number: u32) -> (usize, usize) {
     (number as usize / TILE, number as usize % TILE)
 }
 
-/// The tiles of a map; those that were not made yet are all the same.
+/// The tiles of a map; those that were not made yet are all the same. A clone copies no tile: it shares all of them until either
+/// map writes to one.
 #[derive(Clone)]
 pub(crate) struct Tiles<T> {
     pub(crate) numbering: Numbering,
-    tiles: Vec<OnceLock<Box<T>>>,
+    tiles: Vec<Option<Arc<T>>>,
     unseen: T,
 }
 
 impl<T: Clone> Tiles<T> {
     /// No tile.
     pub(crate) fn new(numbering: Numbering, unseen: T) -> Self {
-        Self { numbering, tiles: (0..numbering.tiles()).map(|_| OnceLock::new()).collect(), unseen }
+        Self { numbering, tiles: vec![None; numbering.tiles()], unseen }
     }
 
     /// A tile as it is.
     #[inline(always)]
     pub(crate) fn at(&self, tile: usize) -> &T {
-        self.tiles[tile].get().map_or(&self.unseen, |tile| tile)
+        self.tiles[tile].as_deref().unwrap_or(&self.unseen)
     }
 
     /// A tile as it is made.
@@ -171,17 +173,13 @@ impl<T: Clone> Tiles<T> {
     /// Whether a tile was made.
     #[inline(always)]
     pub(crate) fn is_made(&self, tile: usize) -> bool {
-        self.tiles[tile].get().is_some()
+        self.tiles[tile].is_some()
     }
 
-    /// A tile to be changed, made where it is missing.
+    /// A tile to be changed, made where it is missing, and copied first where another map has it too.
     #[inline(always)]
     pub(crate) fn make(&mut self, tile: usize) -> &mut T {
-        let slot = &mut self.tiles[tile];
-        if slot.get().is_none() {
-            *slot = OnceLock::from(Box::new(self.unseen.clone()));
-        }
-        slot.get_mut().expect("it was made")
+        Arc::make_mut(self.tiles[tile].get_or_insert_with(|| Arc::new(self.unseen.clone())))
     }
 
     /// A raster of the cells in a window of the grid that begins at the given column and row, by their values.
@@ -207,7 +205,7 @@ impl<T: Clone> Tiles<T> {
     /// The smallest window with all tiles that were made: its first column and row, and where it is.
     pub(crate) fn seen(&self) -> Option<([usize; 2], GridSpec)> {
         let spec = self.numbering.spec;
-        let made = self.tiles.iter().enumerate().filter(|(_, tile)| tile.get().is_some());
+        let made = self.tiles.iter().enumerate().filter(|(_, tile)| tile.is_some());
         let places = made.map(|(tile, _)| self.numbering.column_row((tile * TILE) as u32));
         let bounds = |[low, high]: [[usize; 2]; 2], at: [usize; 2]| {
             [[0, 1].map(|k| low[k].min(at[k])), [0, 1].map(|k| high[k].max(at[k] + TILE_SIDE))]
@@ -222,9 +220,14 @@ impl<T: Clone> Tiles<T> {
     }
 }
 
+/// What a shared tile takes beside its cells: two counts of who holds it.
+const COUNTS: usize = 2 * size_of::<usize>();
+
+/// Of a tile that several maps share, each holds its share.
 impl<T> Held for Tiles<T> {
     fn held(&self) -> usize {
-        self.tiles.held() + self.tiles.iter().filter(|tile| tile.get().is_some()).count() * size_of::<T>()
+        let shares = self.tiles.iter().flatten().map(|tile| (size_of::<T>() + COUNTS) / Arc::strong_count(tile));
+        self.tiles.held() + shares.sum::<usize>()
     }
 }
 

@@ -12,8 +12,9 @@ use crate::belief::prior::{Continuity, Prior};
 use crate::belief::renewal::Renewal;
 use crate::fast::inputs::Inputs;
 use crate::fast::map::Map;
+use crate::fast::pool::Pool;
 use crate::fast::renewal::Changes;
-use crate::fast::scan::{Workspace, select};
+use crate::fast::scan::select;
 use crate::mapper::{Mapper, Work};
 use crate::memory::Held;
 use crate::model::{Model, Sensors};
@@ -42,7 +43,7 @@ pub struct FastVisibility {
     occupancy: OnceCell<Raster<f64>>,
     cells: u64,
     skipped: u64,
-    workspace: Workspace,
+    pool: Pool,
 }
 
 impl FastVisibility {
@@ -78,7 +79,7 @@ impl FastVisibility {
     fn new(model: &Model, continuity: Continuity) -> Self {
         let map = Map::unseen(model);
         Self {
-            workspace: Workspace::new(map.numbering),
+            pool: Pool::new(map.numbering),
             map,
             continuity,
             sensors: model.sensors.clone(),
@@ -148,13 +149,15 @@ impl FastVisibility {
                 hops: edges.map_or(0, |lateral| lateral.hops(spec.cell_m)),
             };
             let hops = inputs.hops;
-            let [cells, skipped] = self.workspace.update_rays(&inputs, &selection); // Eqs. (1)-(7), (21)
-            (self.cells, self.skipped) = (self.cells + cells, self.skipped + skipped);
-            self.workspace.add_passing(&inputs, &selection); // Eq. (20): rays past what they move
+            let mut workspace = self.pool.take();
+            let [cells, skipped] = workspace.update_rays(&inputs, &selection); // Eqs. (1)-(7), (21)
+            workspace.add_passing(&inputs, &selection); // Eq. (20): rays past what they move
             match edges {
-                Some(lateral) => self.workspace.reconcile_laterally(&mut self.map, lateral, hops),
-                None => self.workspace.reconcile(&mut self.map, self.continuity, self.reconciliation), // Eqs. (18)-(20)
+                Some(lateral) => workspace.reconcile_laterally(&mut self.map, lateral, hops),
+                None => workspace.reconcile(&mut self.map, self.continuity, self.reconciliation), // Eqs. (18)-(20)
             }
+            self.pool.give_back(workspace);
+            (self.cells, self.skipped) = (self.cells + cells, self.skipped + skipped);
             if let Some(changes) = &mut self.changes {
                 changes.adopt(&self.map);
             }
@@ -176,6 +179,34 @@ impl Mapper for FastVisibility {
         })
     }
 
+    fn occupied(&self, cell: usize) -> f64 {
+        match &self.changes {
+            None => f64::from(self.map.occupied(self.map.numbering.of(cell))),
+            Some(_) => self.occupancy()[cell],
+        }
+    }
+
+    /// The product of what the chain makes of every ray by itself, `Z` of Eq. (1) for each; of a world that changes, at the time of
+    /// its last scan. None of a scan without a ray that starts on the map.
+    fn evidence(&self, scan: &Scan) -> Option<f64> {
+        let spec = self.map.numbering.spec();
+        spec.locate(scan.pose.position_m())?;
+        let rays: Vec<Ray> = scan.rays().filter(|ray| ray.reading.is_some()).collect();
+        let map = self.now();
+        let inputs = Inputs {
+            map: &map,
+            continuity: self.continuity,
+            sensor: &**self.sensors.of(scan),
+            onset: self.onset,
+            others: None,
+            hops: 0,
+        };
+        let mut workspace = self.pool.take();
+        let evidence = workspace.evidence(&inputs, &rays);
+        self.pool.give_back(workspace);
+        Some(evidence)
+    }
+
     fn pairwise(&self) -> Option<PairwiseGrid> {
         (self.continuity == Continuity::Kept).then(|| self.pairs())
     }
@@ -186,7 +217,7 @@ impl Mapper for FastVisibility {
             sensors: self.sensors.clone(),
             changes: self.changes.clone(),
             occupancy: OnceCell::new(),
-            workspace: Workspace::new(self.map.numbering),
+            pool: self.pool.clone(),
             ..*self
         }))
     }
@@ -197,7 +228,7 @@ impl Mapper for FastVisibility {
             bytes: self.map.held()
                 + self.changes.as_ref().map_or(0, Held::held)
                 + self.occupancy.held()
-                + self.workspace.held(),
+                + self.pool.held(),
         }
     }
 

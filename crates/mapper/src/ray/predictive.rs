@@ -1,7 +1,7 @@
 //! How well a map predicts a reading that it has not seen: `-ln P(reading | map)`, a score that needs no truth.
 
 use grid::{GridSpec, Raster};
-use sensor::{Ray, SensorModel};
+use sensor::{Ray, Scan, SensorModel};
 
 use crate::pairs::grid::PairwiseGrid;
 use crate::ray::likelihood::RayLikelihood;
@@ -44,29 +44,53 @@ impl<'a> Predictive<'a> {
         -libm::log(self.probability(map).max(f64::MIN_POSITIVE))
     }
 
+    /// The same, from the probability that each cell, by its index, is occupied, cells being independent of each other.
+    pub(crate) fn log_loss_of_cells(&self, occupied: impl Fn(usize) -> f64) -> f64 {
+        -libm::log(self.sum(|_, cell| occupied(cell)).max(f64::MIN_POSITIVE))
+    }
+
     fn probability(&self, map: Belief) -> f64 {
+        match map {
+            Belief::Cells(occupancy) => self.sum(|_, cell| occupancy[cell]),
+            Belief::Chain(pairs) => self.sum(|before, cell| {
+                let Some(before) = before else { return pairs.marginals()[cell] };
+                let edge = self.spec.edge_between(before, cell);
+                let free = 1.0 - pairs.marginals()[before];
+                ((pairs.marginals()[cell] - pairs.both[edge]) / free).clamp(0.0, 1.0)
+            }),
+        }
+    }
+
+    /// The likelihood over the first occupied cell; `begins` is the probability of a cell, given that all before it, the last of which
+    /// it is given too, are free.
+    fn sum(&self, begins: impl Fn(Option<usize>, usize) -> f64) -> f64 {
         let RayLikelihood { line, likelihood, none } = &self.ray;
-        let cells = line.cells();
-        let (mut sum, mut clear) = (0.0, 1.0);
-        for (k, (&cell, likelihood)) in cells.iter().zip(likelihood).enumerate() {
-            let begins = match map {
-                Belief::Cells(occupancy) => occupancy[cell],
-                Belief::Chain(pairs) if k == 0 => pairs.marginals()[cell],
-                Belief::Chain(pairs) => {
-                    let before = cells[k - 1];
-                    let edge = self.spec.edge_between(before, cell);
-                    let free = 1.0 - pairs.marginals()[before];
-                    ((pairs.marginals()[cell] - pairs.both[edge]) / free).clamp(0.0, 1.0)
-                }
-            };
+        let (mut sum, mut clear, mut before) = (0.0, 1.0, None);
+        for (&cell, likelihood) in line.cells().iter().zip(likelihood) {
+            let begins = begins(before, cell);
             sum += clear * begins * likelihood;
             clear *= 1.0 - begins;
             if clear < NOTHING {
                 return sum;
             }
+            before = Some(cell);
         }
         sum + clear * none
     }
+}
+
+/// `ln P(readings of the scan | map)` of cells that are independent of each other, nats, as [`Mapper::evidence`](crate::Mapper::evidence);
+/// none of a scan that starts outside the map.
+pub(crate) fn evidence_of_cells(
+    scan: &Scan,
+    spec: GridSpec,
+    (sensor, onset): (&dyn SensorModel, f64),
+    occupied: impl Fn(usize) -> f64,
+) -> Option<f64> {
+    spec.locate(scan.pose.position_m())?;
+    let mut predictive = Predictive::new(spec, sensor, onset);
+    let taken = |ray: Ray| predictive.take(&ray).then(|| -predictive.log_loss_of_cells(&occupied));
+    Some(scan.rays().filter_map(taken).sum())
 }
 
 #[cfg(test)]
@@ -76,7 +100,7 @@ mod tests {
     use super::*;
     use crate::{Mapper as _, Model, Visibility};
     use proptest::prelude::*;
-    use sensor::{Kernel as _, Laser, Pose, Scan};
+    use sensor::{Kernel as _, Laser, Pose};
 
     fn row(width: usize) -> GridSpec {
         GridSpec { cell_m: 0.1, origin_m: [0.0; 2], width, height: 1 }

@@ -19,6 +19,7 @@ use crate::fit::{Candidate, Fit, Fitted, Setting, numbers};
 use crate::mapper::{Mapper, Work};
 use crate::memory::Held as _;
 use crate::model::{Model, Sensors};
+use crate::ray::predictive::evidence_of_cells;
 use crate::tuning::Tuning;
 
 /// What hits and visits say of a cell.
@@ -124,6 +125,7 @@ impl Fitted for HitCount {
 pub struct HitCounter {
     rule: HitCount,
     prior: f64,
+    onset: f64,
     spec: GridSpec,
     /// Hits and misses of every cell.
     counts: Vec<[u32; 2]>,
@@ -140,6 +142,7 @@ impl HitCounter {
         Self {
             rule,
             prior: model.prior.marginal(),
+            onset: model.prior.onset(model.grid.cell_m),
             spec: model.grid,
             counts: vec![[0; 2]; model.grid.cells()],
             sensors: model.sensors.clone(),
@@ -167,10 +170,18 @@ impl Mapper for HitCounter {
     }
 
     fn occupancy(&self) -> &Raster<f64> {
-        self.occupancy.get_or_init(|| {
-            let of = |[hits, misses]: &[u32; 2]| self.rule.occupancy(*hits, *misses).map_or(self.prior, bounded);
-            Raster::new(self.spec, self.counts.iter().map(of).collect())
-        })
+        self.occupancy
+            .get_or_init(|| Raster::new(self.spec, (0..self.counts.len()).map(|cell| self.occupied(cell)).collect()))
+    }
+
+    fn occupied(&self, cell: usize) -> f64 {
+        let [hits, misses] = self.counts[cell];
+        self.rule.occupancy(hits, misses).map_or(self.prior, bounded)
+    }
+
+    fn evidence(&self, scan: &Scan) -> Option<f64> {
+        let known = (&**self.sensors.of(scan), self.onset);
+        evidence_of_cells(scan, self.spec, known, |cell| self.occupied(cell))
     }
 
     fn fork(&self) -> Option<Box<dyn Mapper>> {

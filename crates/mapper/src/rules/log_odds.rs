@@ -6,11 +6,12 @@ use grid::Raster;
 use sensor::{Ray, Scan, SensorModel, in_lanes};
 
 use crate::belief::probability::{from_log_odds, log_odds};
-use crate::fast::tiles::{Numbering, PATCH, TILE, Tiles};
+use crate::fast::tiles::{Numbering, PATCH, TILE, Tiles, split};
 use crate::fit::{Candidate, Fit, Fitted, Setting, numbers};
 use crate::mapper::{Mapper, Work};
 use crate::memory::Held as _;
 use crate::model::{Model, Sensors};
+use crate::ray::predictive::evidence_of_cells;
 use crate::rules::range_cut;
 use crate::rules::sweep::{Cells, Sweep};
 use crate::tuning::Tuning;
@@ -139,6 +140,7 @@ pub struct ConstantIncrements {
     no_echo_m: f64,
     max_range_m: f64,
     prior: f64,
+    onset: f64,
     map: Tiles<Tile>,
     sensors: Sensors,
     sweep: Sweep,
@@ -158,6 +160,7 @@ impl ConstantIncrements {
             no_echo_m: rule.no_echo_m,
             max_range_m: rule.max_range_m,
             prior: model.prior.marginal(),
+            onset: model.prior.onset(model.grid.cell_m),
             map: Tiles::new(Numbering::new(model.grid), unknown),
             sensors: model.sensors.clone(),
             sweep: Sweep::default(),
@@ -216,7 +219,7 @@ impl ConstantIncrements {
         &self.map
     }
 
-    fn occupied(&self, tile: &Tile, place: usize) -> f64 {
+    fn of_cell(&self, tile: &Tile, place: usize) -> f64 {
         let log_odds = tile.log_odds[place];
         if log_odds.is_nan() { self.prior } else { from_log_odds(log_odds) }
     }
@@ -224,7 +227,7 @@ impl ConstantIncrements {
     /// The part of the map that rays have crossed, as [`crate::FastVisibility::seen`].
     pub fn seen(&self) -> Option<Raster<f64>> {
         let (from, window) = self.map.seen()?;
-        Some(self.map.raster(from, window, |tile, place| self.occupied(tile, place)))
+        Some(self.map.raster(from, window, |tile, place| self.of_cell(tile, place)))
     }
 }
 
@@ -284,7 +287,17 @@ impl Mapper for ConstantIncrements {
 
     fn occupancy(&self) -> &Raster<f64> {
         let spec = *self.map.numbering.spec();
-        self.occupancy.get_or_init(|| self.map.raster([0, 0], spec, |tile, place| self.occupied(tile, place)))
+        self.occupancy.get_or_init(|| self.map.raster([0, 0], spec, |tile, place| self.of_cell(tile, place)))
+    }
+
+    fn occupied(&self, cell: usize) -> f64 {
+        let (tile, place) = split(self.map.numbering.of(cell));
+        self.of_cell(self.map.at(tile), place)
+    }
+
+    fn evidence(&self, scan: &Scan) -> Option<f64> {
+        let known = (&**self.sensors.of(scan), self.onset);
+        evidence_of_cells(scan, *self.map.numbering.spec(), known, |cell| self.occupied(cell))
     }
 
     fn fork(&self) -> Option<Box<dyn Mapper>> {

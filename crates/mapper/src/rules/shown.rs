@@ -55,6 +55,10 @@ impl<C: Choice + 'static> Mapper for Shown<C> {
         self.inner.occupancy()
     }
 
+    fn occupied(&self, cell: usize) -> f64 {
+        self.inner.occupied(cell)
+    }
+
     fn pairwise(&self) -> Option<PairwiseGrid> {
         self.inner.pairwise()
     }
