@@ -38,7 +38,7 @@ pub use belief::probability::{EPSILON, bayes};
 pub use belief::renewal::Renewal;
 pub use fast::visibility::FastVisibility;
 pub use fit::{Candidate, Fit, Fitted, Setting};
-pub use mapper::{Mapper, Outside, Work};
+pub use mapper::{Mapper, Outside, Work, moments};
 pub use model::{Model, Sensors};
 pub use pairs::footprint;
 pub use pairs::grid::{Broken, PairwiseGrid};

@@ -6,6 +6,12 @@ use sensor::Scan;
 use crate::memory::Held as _;
 use crate::pairs::grid::PairwiseGrid;
 
+/// Scans in their order by the time at which they were taken: what several sensors read at once is one scan for
+/// [`integrate_together`](Mapper::integrate_together). Scans of one sensor are never together.
+pub fn moments(scans: &[Scan]) -> impl Iterator<Item = &[Scan]> {
+    scans.chunk_by(Scan::is_with)
+}
+
 /// A rule that turns scans into a map.
 pub trait Mapper: Send {
     /// Updates the map with one scan. Rays without a reading, and rays that start outside the map, change nothing.
@@ -13,6 +19,15 @@ pub trait Mapper: Send {
     /// # Panics
     /// If the scan names a sensor that the mapper was not made for.
     fn integrate(&mut self, scan: &Scan);
+
+    /// Updates the map with what several sensors read at one time, as one scan: rays that cross are averaged, whichever
+    /// sensor they are of. By default one scan after the other.
+    ///
+    /// # Panics
+    /// As [`integrate`](Self::integrate).
+    fn integrate_together(&mut self, scans: &[Scan]) {
+        scans.iter().for_each(|scan| self.integrate(scan));
+    }
 
     /// Brings the map up to date with the scans so far. A batch mapper, which sees all scans at once,
     /// solves here; others are always up to date.

@@ -110,7 +110,7 @@ fn evidence_is_what_the_map_predicts_of_every_ray() {
     let laser = Laser::default();
     let sum = |belief: &dyn Fn(&Predictive) -> f64, scan: &Scan| {
         let mut predictive = Predictive::new(setup.grid, &laser, onset);
-        scan.rays().filter_map(|ray| predictive.take(&ray).then(|| -belief(&predictive))).sum::<f64>()
+        scan.rays().map(|ray| if predictive.take(&ray) { -belief(&predictive) } else { 0.0 }).sum::<f64>()
     };
     let (mut visibility, mut independent) = (FastVisibility::visibility(&setup), FastVisibility::independent(&setup));
     let mut odds = ConstantIncrements::new(&setup, LogOdds::OCTOMAP);

@@ -54,6 +54,11 @@ impl Pose {
 }
 
 impl Scan {
+    /// Whether another sensor, of a higher number, took the next scan at the same time.
+    pub fn is_with(&self, next: &Scan) -> bool {
+        self.time_s.to_bits() == next.time_s.to_bits() && self.sensor < next.sensor
+    }
+
     /// The rays of the scan in order of their bearings.
     pub fn rays(&self) -> impl ExactSizeIterator<Item = Ray> {
         debug_assert_eq!(self.bearings_rad.len(), self.readings.len(), "one reading per bearing");

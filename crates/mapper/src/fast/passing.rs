@@ -161,8 +161,13 @@ fn pass(
 }
 
 /// Up to where another ray's cells are, that a ray can cross beyond its own reach, m: as far as any reached within the
-/// angle, and across a cell and its neighbours, so many on either side.
-pub(super) fn farthest(spec: &GridSpec, rays: &[Ray], reach: &[Reach], neighbours: usize) -> Vec<f64> {
+/// angle, and across a cell and its neighbours, so many on either side; and as far as those of other sensors, up to `others_m`.
+pub(super) fn farthest(
+    spec: &GridSpec,
+    (rays, reach): (&[Ray], &[Reach]),
+    others_m: f64,
+    neighbours: usize,
+) -> Vec<f64> {
     let mut order: Vec<usize> = (0..rays.len()).collect();
     let bearing = |ray: &usize| rays[*ray].bearing_rad;
     if !rays.is_sorted_by(|a, b| a.bearing_rad <= b.bearing_rad) {
@@ -191,5 +196,5 @@ pub(super) fn farthest(spec: &GridSpec, rays: &[Ray], reach: &[Reach], neighbour
         let level = (end - first).ilog2() as usize;
         until_m[*ray] = most[level][first].max(most[level][end - (1 << level)]);
     }
-    until_m.iter().map(|until_m| until_m + 2.0 * diagonal_m).collect()
+    until_m.iter().map(|until_m| until_m.max(others_m) + 2.0 * diagonal_m).collect()
 }

@@ -29,7 +29,7 @@ use crate::ray::chain::Chain;
 use crate::ray::exact;
 use crate::ray::update::RayUpdate;
 
-/// The rays that are taken of a scan, in the order and the shares in which threads take them.
+/// The rays that are taken of one sensor, in the order and the shares in which threads take them.
 pub(super) struct Selection {
     rays: Vec<Ray>,
     threads: usize,
@@ -74,11 +74,19 @@ impl Selection {
     }
 }
 
+/// What a sensor adds to a scan.
+pub(super) struct Group<'a> {
+    pub(super) inputs: Inputs<'a>,
+    pub(super) selection: &'a Selection,
+}
+
 /// Working memory, kept from one scan to the next.
 pub(super) struct Workspace {
     numbering: Numbering,
     /// One for every thread. After each phase, the sums over all rays are in the first.
     workers: Vec<Worker>,
+    /// What became of the rays, by sensor and thread.
+    parts: Vec<Vec<Part>>,
     moved: Vec<Moved>,
     layers: Layers,
 }
@@ -89,29 +97,39 @@ struct Worker {
     sums: Sums,
     /// Double precision, for readings that single precision has no evidence for.
     slow: RayUpdate,
-    /// How far each of its rays moves cells.
+}
+
+/// What became of the rays of one sensor that one thread took.
+#[derive(Default)]
+struct Part {
+    /// How far each of them moves cells.
     reach: Vec<Reach>,
-    /// The cells that its rays have leapt over.
+    /// The cells that they have leapt over.
     passages: Vec<Passage>,
 }
 
 impl Workspace {
     pub(super) fn new(numbering: Numbering) -> Self {
         let workers = vec![Worker::new(numbering)];
-        Self { numbering, workers, moved: Vec::new(), layers: Layers::default() }
+        Self { numbering, workers, parts: Vec::new(), moved: Vec::new(), layers: Layers::default() }
     }
 
     /// Phase 2; gives the numbers of cells that rays were updated over, and that they leapt over.
-    pub(super) fn update_rays(&mut self, inputs: &Inputs, selection: &Selection) -> [u64; 2] {
-        while self.workers.len() < selection.threads {
-            self.workers.push(Worker::new(self.numbering));
+    pub(super) fn update_rays(&mut self, groups: &[Group]) -> [u64; 2] {
+        if self.parts.len() < groups.len() {
+            self.parts.resize_with(groups.len(), Vec::new);
         }
-        let workers = &mut self.workers[..selection.threads];
-        together(workers, |thread, worker| {
-            worker.update(inputs, thread * selection.share, selection.share_of(&selection.rays, thread));
-        });
-        merge(workers);
-        workers.iter_mut().fold([0; 2], |[cells, skipped], Worker { bundle, .. }| {
+        for (Group { inputs, selection }, parts) in groups.iter().zip(&mut self.parts) {
+            parts.resize_with(selection.threads, Part::default);
+            while self.workers.len() < selection.threads {
+                self.workers.push(Worker::new(self.numbering));
+            }
+            together(&mut self.workers, parts, |thread, worker, part| {
+                worker.update(inputs, thread * selection.share, selection.share_of(&selection.rays, thread), part);
+            });
+        }
+        merge(&mut self.workers);
+        self.workers.iter_mut().fold([0; 2], |[cells, skipped], Worker { bundle, .. }| {
             [cells + std::mem::take(&mut bundle.cells), skipped + std::mem::take(&mut bundle.skipped)]
         })
     }
@@ -122,24 +140,36 @@ impl Workspace {
     }
 
     /// Phase 3.
-    pub(super) fn add_passing(&mut self, inputs: &Inputs, selection: &Selection) {
-        let workers = &mut self.workers[..selection.threads];
-        let reach: Vec<Reach> = workers.iter().flat_map(|worker| worker.reach.iter().copied()).collect();
-        if inputs.hops > 0 {
-            lateral::open(inputs.map, &mut workers[0].sums, inputs.hops);
+    pub(super) fn add_passing(&mut self, groups: &[Group]) {
+        let Some(Group { inputs: Inputs { map, hops, .. }, .. }) = groups.first() else { return };
+        if *hops > 0 {
+            lateral::open(map, &mut self.workers[0].sums, *hops);
         }
-        let until_m = passing::farthest(self.numbering.spec(), &selection.rays, &reach, 1 + inputs.hops);
+        let spec = self.numbering.spec();
+        // Where rays begin, and how far those of each sensor move cells.
+        let reaches: Vec<Vec<Reach>> = self.parts.iter().zip(groups).map(|(parts, _)| reaches(parts)).collect();
+        let begins: Vec<[f64; 2]> = groups.iter().map(|group| group.selection.rays[0].origin_m).collect();
+        let ends = |group: usize| reaches[group].iter().map(|reach| reach.end_m).fold(0.0, f64::max);
         // Several threads read what one of them alone can add to meanwhile.
-        let before = (workers.len() > 1).then(|| std::mem::replace(&mut workers[0].sums, Sums::new(self.numbering)));
-        together(workers, |thread, Worker { reach, passages, sums, .. }| {
-            let (rays, until_m) = (selection.share_of(&selection.rays, thread), selection.share_of(&until_m, thread));
-            passages.extend(passing::behind(reach, until_m));
-            passing::add(inputs, rays, passages, (before.as_ref(), sums));
-        });
+        let several = groups.iter().any(|group| group.selection.threads > 1);
+        let before = several.then(|| std::mem::replace(&mut self.workers[0].sums, Sums::new(self.numbering)));
+        for (number, (Group { inputs, selection }, parts)) in groups.iter().zip(&mut self.parts).enumerate() {
+            let apart =
+                |other: usize| libm::hypot(begins[other][0] - begins[number][0], begins[other][1] - begins[number][1]);
+            let others = (0..groups.len()).filter(|other| *other != number);
+            let others_m = others.map(|other| apart(other) + ends(other)).fold(0.0, f64::max);
+            let until_m = passing::farthest(spec, (&selection.rays, &reaches[number]), others_m, 1 + hops);
+            together(&mut self.workers, parts, |thread, Worker { sums, .. }, Part { reach, passages }| {
+                let (rays, until_m) =
+                    (selection.share_of(&selection.rays, thread), selection.share_of(&until_m, thread));
+                passages.extend(passing::behind(reach, until_m));
+                passing::add(inputs, rays, passages, (before.as_ref(), sums));
+            });
+        }
         if let Some(before) = before {
-            let mut added = std::mem::replace(&mut workers[0].sums, before);
-            workers[0].sums.absorb(&mut added);
-            merge(workers);
+            let mut added = std::mem::replace(&mut self.workers[0].sums, before);
+            self.workers[0].sums.absorb(&mut added);
+            merge(&mut self.workers);
         }
     }
 
@@ -170,11 +200,19 @@ impl Held for Workspace {
     }
 }
 
-/// What every worker does, each with its number; one of them alone wakes no thread.
-fn together(workers: &mut [Worker], work: impl Fn(usize, &mut Worker) + Sync) {
-    match workers {
-        [only] => work(0, only),
-        several => several.par_iter_mut().enumerate().for_each(|(number, worker)| work(number, worker)),
+/// How far the rays of a sensor move cells, in their order.
+fn reaches(parts: &[Part]) -> Vec<Reach> {
+    parts.iter().flat_map(|part| part.reach.iter().copied()).collect()
+}
+
+/// What every worker does to its part, each with its number; one of them alone wakes no thread.
+fn together(workers: &mut [Worker], parts: &mut [Part], work: impl Fn(usize, &mut Worker, &mut Part) + Sync) {
+    match parts {
+        [only] => work(0, &mut workers[0], only),
+        several => {
+            let workers = workers.par_iter_mut().zip(several).enumerate();
+            workers.for_each(|(number, (worker, part))| work(number, worker, part));
+        }
     }
 }
 
@@ -190,40 +228,40 @@ const NOWHERE: Reach = Reach { last: Place { at: [0; 2], entered: 0.0 }, end_m: 
 
 impl Worker {
     fn new(numbering: Numbering) -> Self {
-        Self {
-            bundle: Bundle::new(numbering),
-            sums: Sums::new(numbering),
-            slow: RayUpdate::default(),
-            reach: Vec::new(),
-            passages: Vec::new(),
-        }
+        Self { bundle: Bundle::new(numbering), sums: Sums::new(numbering), slow: RayUpdate::default() }
     }
 
     /// Takes rays, the first of which has the given number among those of the scan. Those that should not have leapt are taken
     /// once more, together.
-    fn update(&mut self, inputs: &Inputs, first: usize, rays: &[Ray]) {
-        self.passages.clear();
-        self.reach.clear();
-        self.reach.resize(rays.len(), NOWHERE);
+    fn update(
+        &mut self,
+        inputs: &Inputs,
+        first: usize,
+        rays: &[Ray],
+        Part { reach: reaches, passages: leapt }: &mut Part,
+    ) {
+        leapt.clear();
+        reaches.clear();
+        reaches.resize(rays.len(), NOWHERE);
         let mut again = Vec::new();
         for (number, rays) in rays.chunks(LANES).enumerate() {
             let number = number * LANES;
             let outcomes = self.bundle.update(inputs, (first + number, rays), true, &mut self.sums);
             for ((k, ray), outcome) in (number..).zip(rays).zip(outcomes) {
                 match outcome {
-                    Outcome::Added(reach) => self.reach[k] = reach,
-                    Outcome::Unlikely => self.reach[k] = self.update_slowly(inputs, first + k, ray),
+                    Outcome::Added(reach) => reaches[k] = reach,
+                    Outcome::Unlikely => reaches[k] = self.update_slowly(inputs, first + k, ray),
                     Outcome::Leapt => again.push(k),
                 }
             }
             let passages = self.bundle.passages().iter().filter(|(l, _)| outcomes[*l] != Outcome::Leapt);
-            self.passages.extend(passages.map(|(l, passage)| Passage { ray: (number + l) as u32, ..*passage }));
+            leapt.extend(passages.map(|(l, passage)| Passage { ray: (number + l) as u32, ..*passage }));
         }
         for numbers in again.chunks(LANES) {
             let rays: Vec<Ray> = numbers.iter().map(|k| rays[*k]).collect();
             let outcomes = self.bundle.update(inputs, (first, &rays), false, &mut self.sums);
             for ((k, ray), outcome) in numbers.iter().zip(&rays).zip(outcomes) {
-                self.reach[*k] = match outcome {
+                reaches[*k] = match outcome {
                     Outcome::Added(reach) => reach,
                     _ => self.update_slowly(inputs, first + k, ray),
                 };

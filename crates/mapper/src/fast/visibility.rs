@@ -5,7 +5,7 @@ use std::cell::OnceCell;
 use std::sync::Arc;
 
 use grid::Raster;
-use sensor::{Ray, Scan};
+use sensor::{Ray, Scan, SensorModel};
 
 use crate::belief::lateral::Lateral;
 use crate::belief::prior::{Continuity, Prior};
@@ -14,7 +14,7 @@ use crate::fast::inputs::Inputs;
 use crate::fast::map::Map;
 use crate::fast::pool::Pool;
 use crate::fast::renewal::Changes;
-use crate::fast::scan::select;
+use crate::fast::scan::{Group, Selection, select};
 use crate::mapper::{Mapper, Work};
 use crate::memory::Held;
 use crate::model::{Model, Sensors};
@@ -123,53 +123,84 @@ impl FastVisibility {
     ///
     /// A scan of more than [`MOST_RAYS`](Self::MOST_RAYS) readings is taken as so many scans as it needs, each of every n-th ray.
     pub fn integrate_on(&mut self, scan: &Scan, threads: usize) {
-        let sensor = Arc::clone(self.sensors.of(scan));
-        let rays: Vec<Ray> = scan.rays().filter(|ray| ray.reading.is_some()).collect();
+        self.integrate_together_on(std::slice::from_ref(scan), threads);
+    }
+
+    /// Takes the scans of several sensors as one, as [`integrate_together`](Mapper::integrate_together) has it, on so many threads.
+    pub fn integrate_together_on(&mut self, scans: &[Scan], threads: usize) {
         if let Some(changes) = &mut self.changes {
-            changes.go_on(scan.time_s);
+            scans.iter().for_each(|scan| changes.go_on(scan.time_s));
             self.occupancy.take();
         }
-        let passes = rays.len().div_ceil(Self::MOST_RAYS);
+        let of_sensor = |scan: &Scan| {
+            let rays: Vec<Ray> = scan.rays().filter(|ray| ray.reading.is_some()).collect();
+            (Arc::clone(self.sensors.of(scan)), rays)
+        };
+        let sensors: Vec<(Arc<dyn SensorModel>, Vec<Ray>)> = scans.iter().map(of_sensor).collect();
+        let passes = sensors.iter().map(|(_, rays)| rays.len()).sum::<usize>().div_ceil(Self::MOST_RAYS);
         for pass in 0..passes {
-            let rays = rays.iter().skip(pass).step_by(passes).copied().collect();
-            let Some(selection) = select(self.map.numbering.spec(), &*sensor, rays, threads) else { continue };
-            if let Some(changes) = &mut self.changes {
-                changes.pass(&mut self.map, selection.rays());
-            }
-            let rays = self.lateral.as_ref().filter(|(lateral, _)| lateral.rays);
-            let spec = self.map.numbering.spec();
-            let others = rays.map(|(_, surfaces)| BearingChain::new(&*sensor, selection.rays(), spec, surfaces));
-            let edges = self.lateral.as_ref().map(|(lateral, _)| lateral).filter(|lateral| lateral.edges);
-            let inputs = Inputs {
-                map: &self.map,
-                continuity: self.continuity,
-                sensor: &*sensor,
-                onset: self.onset,
-                others: others.as_ref(),
-                hops: edges.map_or(0, |lateral| lateral.hops(spec.cell_m)),
+            let select = |(sensor, rays): &(Arc<dyn SensorModel>, Vec<Ray>)| {
+                let rays = rays.iter().skip(pass).step_by(passes).copied().collect();
+                Some((Arc::clone(sensor), select(self.map.numbering.spec(), &**sensor, rays, threads)?))
             };
-            let hops = inputs.hops;
-            let mut workspace = self.pool.take();
-            let [cells, skipped] = workspace.update_rays(&inputs, &selection); // Eqs. (1)-(7), (21)
-            workspace.add_passing(&inputs, &selection); // Eq. (20): rays past what they move
-            match edges {
-                Some(lateral) => workspace.reconcile_laterally(&mut self.map, lateral, hops),
-                None => workspace.reconcile(&mut self.map, self.continuity, self.reconciliation), // Eqs. (18)-(20)
+            let selections: Vec<(Arc<dyn SensorModel>, Selection)> = sensors.iter().filter_map(select).collect();
+            if !selections.is_empty() {
+                self.update(&selections);
             }
-            self.pool.give_back(workspace);
-            (self.cells, self.skipped) = (self.cells + cells, self.skipped + skipped);
-            if let Some(changes) = &mut self.changes {
-                changes.adopt(&self.map);
-            }
-            self.occupancy.take();
         }
     }
+
+    /// One scan.
+    fn update(&mut self, selections: &[(Arc<dyn SensorModel>, Selection)]) {
+        if let Some(changes) = &mut self.changes {
+            changes.pass(&mut self.map, selections.iter().flat_map(|(_, selection)| selection.rays()));
+        }
+        let spec = self.map.numbering.spec();
+        let others = |(sensor, selection): &(Arc<dyn SensorModel>, Selection)| {
+            let (_, surfaces) = self.lateral.as_ref().filter(|(lateral, _)| lateral.rays)?;
+            Some(BearingChain::new(&**sensor, selection.rays(), spec, surfaces))
+        };
+        let others: Vec<Option<BearingChain>> = selections.iter().map(others).collect();
+        let edges = self.lateral.as_ref().map(|(lateral, _)| lateral).filter(|lateral| lateral.edges);
+        let hops = edges.map_or(0, |lateral| lateral.hops(spec.cell_m));
+        let groups: Vec<Group> = selections
+            .iter()
+            .zip(&others)
+            .map(|((sensor, selection), others)| {
+                let inputs = inputs(&self.map, self.continuity, self.onset, &**sensor);
+                Group { inputs: Inputs { others: others.as_ref(), hops, ..inputs }, selection }
+            })
+            .collect();
+        let mut workspace = self.pool.take();
+        let [cells, skipped] = workspace.update_rays(&groups); // Eqs. (1)-(7), (21)
+        workspace.add_passing(&groups); // Eq. (20): rays past what they move
+        match edges {
+            Some(lateral) => workspace.reconcile_laterally(&mut self.map, lateral, hops),
+            None => workspace.reconcile(&mut self.map, self.continuity, self.reconciliation), // Eqs. (18)-(20)
+        }
+        self.pool.give_back(workspace);
+        (self.cells, self.skipped) = (self.cells + cells, self.skipped + skipped);
+        if let Some(changes) = &mut self.changes {
+            changes.adopt(&self.map);
+        }
+        self.occupancy.take();
+    }
+}
+
+/// What rays that are taken one by one read.
+fn inputs<'a>(map: &'a Map, continuity: Continuity, onset: f64, sensor: &'a dyn SensorModel) -> Inputs<'a> {
+    Inputs { map, continuity, sensor, onset, others: None, hops: 0 }
 }
 
 impl Mapper for FastVisibility {
     fn integrate(&mut self, scan: &Scan) {
-        let threads = if scan.readings.len() < FEW_RAYS { 1 } else { rayon::current_num_threads() };
-        self.integrate_on(scan, threads);
+        self.integrate_together(std::slice::from_ref(scan));
+    }
+
+    fn integrate_together(&mut self, scans: &[Scan]) {
+        let rays: usize = scans.iter().map(|scan| scan.readings.len()).sum();
+        let threads = if rays < FEW_RAYS { 1 } else { rayon::current_num_threads() };
+        self.integrate_together_on(scans, threads);
     }
 
     fn occupancy(&self) -> &Raster<f64> {
@@ -193,14 +224,7 @@ impl Mapper for FastVisibility {
         spec.locate(scan.pose.position_m())?;
         let rays: Vec<Ray> = scan.rays().filter(|ray| ray.reading.is_some()).collect();
         let map = self.now();
-        let inputs = Inputs {
-            map: &map,
-            continuity: self.continuity,
-            sensor: &**self.sensors.of(scan),
-            onset: self.onset,
-            others: None,
-            hops: 0,
-        };
+        let inputs = inputs(&map, self.continuity, self.onset, &**self.sensors.of(scan));
         let mut workspace = self.pool.take();
         let evidence = workspace.evidence(&inputs, &rays);
         self.pool.give_back(workspace);

@@ -81,8 +81,12 @@ fn after(pairs: &PairwiseGrid, kinds: &mut [[Kinds<f64>; 2]], elapsed: &Elapsed,
 
 impl Mapper for Dynamic {
     fn integrate(&mut self, scan: &Scan) {
-        self.pass(scan.time_s);
-        self.visibility.integrate(scan);
+        self.integrate_together(std::slice::from_ref(scan));
+    }
+
+    fn integrate_together(&mut self, scans: &[Scan]) {
+        scans.iter().for_each(|scan| self.pass(scan.time_s));
+        self.visibility.integrate_together(scans);
     }
 
     fn occupancy(&self) -> &Raster<f64> {

@@ -27,24 +27,32 @@ pub struct Shown<C> {
     inner: Box<dyn Mapper>,
     sensors: Sensors,
     choice: C,
-    shown: Scan,
+    /// The last scans as they were shown.
+    shown: Vec<Scan>,
 }
 
 impl<C: Choice> Shown<C> {
     /// A mapper of the model's sensors.
     pub(crate) fn of(inner: Box<dyn Mapper>, model: &Model, choice: C) -> Self {
-        Self { inner, sensors: model.sensors.clone(), choice, shown: Scan::default() }
+        Self { inner, sensors: model.sensors.clone(), choice, shown: Vec::new() }
     }
 }
 
 impl<C: Choice + 'static> Mapper for Shown<C> {
     fn integrate(&mut self, scan: &Scan) {
+        self.integrate_together(std::slice::from_ref(scan));
+    }
+
+    fn integrate_together(&mut self, scans: &[Scan]) {
         let Self { inner, sensors, choice, shown } = self;
-        (shown.sensor, shown.time_s, shown.pose) = (scan.sensor, scan.time_s, scan.pose);
-        shown.bearings_rad.clone_from(&scan.bearings_rad);
-        shown.readings.clear();
-        choice.choose(&**sensors.of(scan), scan, &mut shown.readings);
-        inner.integrate(shown);
+        shown.resize_with(scans.len(), Scan::default);
+        for (scan, shown) in scans.iter().zip(&mut *shown) {
+            (shown.sensor, shown.time_s, shown.pose) = (scan.sensor, scan.time_s, scan.pose);
+            shown.bearings_rad.clone_from(&scan.bearings_rad);
+            shown.readings.clear();
+            choice.choose(&**sensors.of(scan), scan, &mut shown.readings);
+        }
+        inner.integrate_together(shown);
     }
 
     fn settle(&mut self) {
@@ -71,11 +79,11 @@ impl<C: Choice + 'static> Mapper for Shown<C> {
     fn fork(&self) -> Option<Box<dyn Mapper>> {
         let inner = self.inner.fork()?;
         let (sensors, choice) = (self.sensors.clone(), self.choice.clone());
-        Some(Box::new(Self { inner, sensors, choice, shown: Scan::default() }))
+        Some(Box::new(Self { inner, sensors, choice, shown: Vec::new() }))
     }
 
     fn work(&self) -> Work {
-        let scan = self.shown.readings.held() + self.shown.bearings_rad.held();
+        let scan = self.shown.iter().map(|scan| scan.readings.held() + scan.bearings_rad.held()).sum::<usize>();
         let Work { cells, bytes } = self.inner.work();
         Work { cells, bytes: bytes + scan + self.choice.held() }
     }

@@ -96,8 +96,9 @@ impl Visibility {
     }
 }
 
-impl Mapper for Visibility {
-    fn integrate(&mut self, scan: &Scan) {
+impl Visibility {
+    /// Adds what the rays of a scan make of the map to the moments, Eq. (20).
+    fn update_rays(&mut self, scan: &Scan) {
         let sensor = Arc::clone(self.sensors.of(scan));
         let rays: Vec<Ray> = scan.rays().filter(|ray| ray.reading.is_some()).collect();
         let lateral = self.lateral.as_ref().filter(|(lateral, _)| lateral.rays);
@@ -107,10 +108,20 @@ impl Mapper for Visibility {
             let model = (&*sensor, self.onset);
             let others = others.as_ref().map(|others| (others, number));
             if update.update(ray, pairs.spec(), model, others, self.rule, |chain, cells| chain.gather(pairs, cells)) {
-                self.moments.add(update.ray.line.cells(), &update.posterior); // Eq. (20)
+                self.moments.add(update.ray.line.cells(), &update.posterior);
                 self.cells += update.ray.line.len() as u64;
             }
         }
+    }
+}
+
+impl Mapper for Visibility {
+    fn integrate(&mut self, scan: &Scan) {
+        self.integrate_together(std::slice::from_ref(scan));
+    }
+
+    fn integrate_together(&mut self, scans: &[Scan]) {
+        scans.iter().for_each(|scan| self.update_rays(scan));
         match (self.continuity, &self.lateral) {
             (_, Some((lateral, _))) if lateral.edges => {
                 let hops = lateral.hops(self.pairs.spec().cell_m);

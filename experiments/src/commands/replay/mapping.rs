@@ -4,12 +4,12 @@ use grid::Raster;
 use logs::Sensor;
 use mapper::Model;
 use mapper::catalogue::Entry;
-use mapper::{Mapper, PairwiseGrid};
+use mapper::{Mapper, PairwiseGrid, moments};
 use rayon::prelude::*;
 use sensor::Scan;
 
 use super::extent::Survey;
-use super::kept_back::{self, BATCH};
+use super::kept_back::{BATCH, KeptBack};
 use super::recording::{self, Recording};
 use super::seen::{Reach, Seen};
 use crate::failure::Failure;
@@ -52,20 +52,27 @@ pub(super) fn map(
     let mut batch = Vec::with_capacity(BATCH);
     let mut take = |batch: &mut Vec<Scan>, mappers: &mut [Box<dyn Mapper>]| {
         rayon::join(
-            || mappers.par_iter_mut().for_each(|mapper| batch.iter().for_each(|scan| mapper.integrate(scan))),
+            || {
+                mappers
+                    .par_iter_mut()
+                    .for_each(|mapper| moments(batch).for_each(|scans| mapper.integrate_together(scans)))
+            },
             || batch.iter().for_each(|scan| seen.add(scan, &**setup.sensors.of(scan))),
         );
         batch.clear();
     };
-    for (number, scan) in (0..).zip(recording.scans()?) {
+    let mut kept_back = KeptBack::new(hold_out);
+    for scan in recording.scans()? {
         let scan = scan.map_err(recording::refused)?;
         progress.step();
-        if !kept_back::is_one(number, hold_out) {
-            batch.push(scan);
-            if batch.len() == BATCH {
-                take(&mut batch, &mut mappers);
-            }
+        if kept_back.has(&scan) {
+            continue;
         }
+        // What several sensors read at one time stays together.
+        if batch.len() >= BATCH && batch.last().is_some_and(|last: &Scan| !last.is_with(&scan)) {
+            take(&mut batch, &mut mappers);
+        }
+        batch.push(scan);
     }
     take(&mut batch, &mut mappers);
     mappers.par_iter_mut().for_each(|mapper| mapper.settle());
