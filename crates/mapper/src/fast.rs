@@ -28,6 +28,7 @@ mod reconcile;
 mod renewal;
 mod scan;
 mod settled;
+mod slowly;
 mod sums;
 mod tail;
 pub(crate) mod tiles;

@@ -50,7 +50,7 @@ pub use ray::chain::Chain;
 pub use ray::predictive::{Belief, Predictive};
 pub use ray::recalibration::{FitRay, Recalibration};
 pub use ray::update::RayRule;
-pub use ray::{exact, past_the_map, printed};
+pub use ray::{cone, exact, past_the_map, printed};
 pub use rules::ageing::{Ageing, AgeingIncrements};
 pub use rules::continuous_ray::{ContinuousRay, ContinuousRays};
 pub use rules::conventional::{Conventional, ConventionalRule};

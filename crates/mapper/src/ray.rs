@@ -2,6 +2,7 @@
 
 pub(crate) mod bearing_chain;
 pub(crate) mod chain;
+pub mod cone;
 pub mod exact;
 pub(crate) mod likelihood;
 pub mod past_the_map;

@@ -11,6 +11,12 @@ pub trait Kernel: Send + Sync {
     /// `ranges` never decreases and is one longer than `likelihood`.
     fn likelihood(&self, reading: f64, bearing: f64, ranges: &[f64], likelihood: &mut [f64]);
 
+    /// Angle between the edges of the cone that a reading comes from, rad: the nearest surface in it is the one that is measured. 0 of a
+    /// sensor that looks along a ray.
+    fn width_rad(&self) -> f64 {
+        0.0
+    }
+
     /// The sensor by its parameters, for whoever cannot call its functions; none of a kernel that has no such form.
     fn parameters(&self) -> Option<Parameters> {
         None

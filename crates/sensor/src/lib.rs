@@ -6,7 +6,7 @@
 //! mapper needs to know of a sensor. [`Stereo`] is the stereo camera of the paper, Eq. (21), and
 //! [`Matcher`] samples the disparities that such a camera would measure, with the paper's
 //! independent mismatches or with [`Clustering`] as measured on real pairs. [`Laser`] is a laser
-//! range finder, with what it measures and how it is sampled. [`OdometryNoise`] is how far odometry may be off in a
+//! range finder, with what it measures and how it is sampled; [`Sonar`] hears the nearest thing in a cone. [`OdometryNoise`] is how far odometry may be off in a
 //! [`Step`] from one pose to the next.
 
 mod camera;
@@ -22,6 +22,7 @@ mod normal;
 mod odometry;
 mod scan;
 mod sensor_model;
+mod sonar;
 mod stereo;
 
 pub use camera::Camera;
@@ -36,4 +37,5 @@ pub use matcher::{Matcher, Surface};
 pub use odometry::{OdometryNoise, OdometryNoiseError, Step, wrapped_rad};
 pub use scan::{Pose, Ray, Scan};
 pub use sensor_model::SensorModel;
+pub use sonar::Sonar;
 pub use stereo::Stereo;

@@ -13,6 +13,11 @@ pub(super) struct Reach {
     pub(super) whole: bool,
 }
 
+impl Reach {
+    /// Of a ray that passes no cell behind those that were added.
+    pub(super) const NOWHERE: Self = Self { last: Place { at: [0; 2], entered: 0.0 }, end_m: 0.0, whole: true };
+}
+
 /// Cells that a ray passes without moving them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Passage {

@@ -19,15 +19,12 @@ use crate::fast::lateral::Layers;
 use crate::fast::map::{Map, summarise};
 use crate::fast::passage::{Passage, Reach};
 use crate::fast::reconcile::Moved;
-use crate::fast::sums::{Sums, word};
+use crate::fast::slowly::Slowly;
+use crate::fast::sums::Sums;
 use crate::fast::tiles::Numbering;
-use crate::fast::walk::Place;
 use crate::fast::{lateral, passing, reconcile, touched};
 use crate::memory::Held;
 use crate::pairs::reconcile::Reconciliation;
-use crate::ray::chain::Chain;
-use crate::ray::exact;
-use crate::ray::update::RayUpdate;
 
 /// The rays that are taken of one sensor, in the order and the shares in which threads take them.
 pub(super) struct Selection {
@@ -95,8 +92,7 @@ pub(super) struct Workspace {
 struct Worker {
     bundle: Bundle,
     sums: Sums,
-    /// Double precision, for readings that single precision has no evidence for.
-    slow: RayUpdate,
+    slowly: Slowly,
 }
 
 /// What became of the rays of one sensor that one thread took.
@@ -136,6 +132,10 @@ impl Workspace {
 
     /// `ln P(readings | map)` of rays, each by itself, nats: what phase 2 divides by, in the same precision.
     pub(super) fn evidence(&mut self, inputs: &Inputs, rays: &[Ray]) -> f64 {
+        if inputs.sensor.width_rad() > 0.0 {
+            let slowly = &mut self.workers[0].slowly;
+            return rays.iter().map(|ray| libm::log(slowly.cone_evidence(inputs, ray).max(f64::MIN_POSITIVE))).sum();
+        }
         rays.chunks(LANES).map(|rays| self.workers[0].evidence(inputs, rays, true)).sum()
     }
 
@@ -223,12 +223,9 @@ fn merge(workers: &mut [Worker]) {
     }
 }
 
-/// The reach of a ray that passes no cell behind those that were added.
-const NOWHERE: Reach = Reach { last: Place { at: [0; 2], entered: 0.0 }, end_m: 0.0, whole: true };
-
 impl Worker {
     fn new(numbering: Numbering) -> Self {
-        Self { bundle: Bundle::new(numbering), sums: Sums::new(numbering), slow: RayUpdate::default() }
+        Self { bundle: Bundle::new(numbering), sums: Sums::new(numbering), slowly: Slowly::default() }
     }
 
     /// Takes rays, the first of which has the given number among those of the scan. Those that should not have leapt are taken
@@ -242,7 +239,13 @@ impl Worker {
     ) {
         leapt.clear();
         reaches.clear();
-        reaches.resize(rays.len(), NOWHERE);
+        reaches.resize(rays.len(), Reach::NOWHERE);
+        if inputs.sensor.width_rad() > 0.0 {
+            let cone = |ray| self.slowly.update_cone(inputs, ray, &mut self.sums);
+            reaches.iter_mut().zip(rays.iter().map(cone)).for_each(|(reach, of)| *reach = of);
+            self.bundle.cells += self.slowly.take_cells();
+            return;
+        }
         let mut again = Vec::new();
         for (number, rays) in rays.chunks(LANES).enumerate() {
             let number = number * LANES;
@@ -250,7 +253,7 @@ impl Worker {
             for ((k, ray), outcome) in (number..).zip(rays).zip(outcomes) {
                 match outcome {
                     Outcome::Added(reach) => reaches[k] = reach,
-                    Outcome::Unlikely => reaches[k] = self.update_slowly(inputs, first + k, ray),
+                    Outcome::Unlikely => reaches[k] = self.slowly.update(inputs, first + k, ray, &mut self.sums),
                     Outcome::Leapt => again.push(k),
                 }
             }
@@ -263,7 +266,7 @@ impl Worker {
             for ((k, ray), outcome) in numbers.iter().zip(&rays).zip(outcomes) {
                 reaches[*k] = match outcome {
                     Outcome::Added(reach) => reach,
-                    _ => self.update_slowly(inputs, first + k, ray),
+                    _ => self.slowly.update(inputs, first + k, ray, &mut self.sums),
                 };
             }
         }
@@ -279,51 +282,9 @@ impl Worker {
                 again.push(*ray);
                 continue;
             }
-            if unlikely[l] {
-                self.follow_slowly(inputs, 0, ray);
-            }
-            let evidence = if unlikely[l] { self.slow.posterior.evidence } else { f64::from(evidence[l]) };
+            let evidence = if unlikely[l] { self.slowly.evidence(inputs, 0, ray) } else { f64::from(evidence[l]) };
             sum += libm::log(evidence.max(f64::MIN_POSITIVE));
         }
         if again.is_empty() { sum } else { sum + self.evidence(inputs, &again, false) }
-    }
-
-    /// A ray in double precision.
-    fn follow_slowly(&mut self, inputs: &Inputs, number: usize, ray: &Ray) {
-        let numbering = &inputs.map.numbering;
-        let spec = numbering.spec();
-        let both = |pair: &[usize]| {
-            let edge = spec.edge_between(pair[0], pair[1]);
-            let [low, high] = if edge / 2 == pair[0] { [pair[0], pair[1]] } else { [pair[1], pair[0]] };
-            let [_, _, both] = inputs.map.pair([low, high].map(|cell| numbering.of(cell)), edge % 2, inputs.continuity);
-            both
-        };
-        let gather = |chain: &mut Chain, cells: &[usize]| {
-            let occupied = cells.iter().map(|cell| f64::from(inputs.map.occupied(numbering.of(*cell))));
-            *chain = Chain::new(occupied.collect(), cells.windows(2).map(both).collect());
-        };
-        let others = inputs.others.map(|others| (others, number));
-        self.slow.update(ray, spec, (inputs.sensor, inputs.onset), others, exact::posterior, gather);
-    }
-
-    fn update_slowly(&mut self, inputs: &Inputs, number: usize, ray: &Ray) -> Reach {
-        self.follow_slowly(inputs, number, ray);
-        let numbering = &inputs.map.numbering;
-        let spec = numbering.spec();
-        let (RayUpdate { ray, posterior, .. }, sums) = (&self.slow, &mut self.sums);
-        let cells = ray.line.cells();
-        if let &[only] = cells {
-            let entry = sums.entry(numbering.of(only));
-            sums.add_cell(entry, 1, word(posterior.first));
-        }
-        for (pair, joint) in cells.windows(2).zip(&posterior.pairs) {
-            let [first, second] = [pair[0], pair[1]].map(|cell| sums.entry(numbering.of(cell)));
-            sums.add_cell(first, 1, word(joint.first()));
-            sums.add_cell(second, 1, word(joint.second()));
-            let edge = spec.edge_between(pair[0], pair[1]);
-            let (low, high) = if edge / 2 == pair[0] { (first, second) } else { (second, first) };
-            sums.add_edge(low, high, edge % 2, word(joint.ef + joint.fe));
-        }
-        Reach { end_m: ray.line.ranges()[cells.len()], ..NOWHERE }
     }
 }

@@ -21,6 +21,7 @@ use crate::model::{Model, Sensors};
 use crate::pairs::grid::PairwiseGrid;
 use crate::pairs::reconcile::Reconciliation;
 use crate::ray::bearing_chain::{BearingChain, Surfaces};
+use crate::ray::cone;
 
 /// Scans of fewer rays are not worth waking other threads for.
 const FEW_RAYS: usize = 1024;
@@ -137,7 +138,10 @@ impl FastVisibility {
             (Arc::clone(self.sensors.of(scan)), rays)
         };
         let sensors: Vec<(Arc<dyn SensorModel>, Vec<Ray>)> = scans.iter().map(of_sensor).collect();
-        let passes = sensors.iter().map(|(_, rays)| rays.len()).sum::<usize>().div_ceil(Self::MOST_RAYS);
+        // A cone is many rays.
+        let chains = |sensor: &dyn SensorModel| if sensor.width_rad() > 0.0 { cone::MOST_CHAINS } else { 1 };
+        let all = sensors.iter().map(|(sensor, rays)| chains(&**sensor) * rays.len());
+        let passes = all.sum::<usize>().div_ceil(Self::MOST_RAYS);
         for pass in 0..passes {
             let select = |(sensor, rays): &(Arc<dyn SensorModel>, Vec<Ray>)| {
                 let rays = rays.iter().skip(pass).step_by(passes).copied().collect();
@@ -153,7 +157,17 @@ impl FastVisibility {
     /// One scan.
     fn update(&mut self, selections: &[(Arc<dyn SensorModel>, Selection)]) {
         if let Some(changes) = &mut self.changes {
-            changes.pass(&mut self.map, selections.iter().flat_map(|(_, selection)| selection.rays()));
+            let spec = *self.map.numbering.spec();
+            let fan = |(sensor, selection): &(Arc<dyn SensorModel>, Selection)| {
+                let width_rad = sensor.width_rad();
+                let fan = |ray: &Ray| cone::fan(ray, width_rad, cone::reach_m(ray, &**sensor, &spec), spec.cell_m);
+                match width_rad > 0.0 {
+                    true => selection.rays().iter().flat_map(fan).collect(),
+                    false => selection.rays().to_vec(),
+                }
+            };
+            let rays: Vec<Vec<Ray>> = selections.iter().map(fan).collect();
+            changes.pass(&mut self.map, rays.iter().flatten());
         }
         let spec = self.map.numbering.spec();
         let others = |(sensor, selection): &(Arc<dyn SensorModel>, Selection)| {

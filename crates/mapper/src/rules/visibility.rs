@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use grid::Raster;
-use sensor::{Ray, Scan};
+use sensor::{Ray, Scan, SensorModel};
 
 use crate::belief::lateral::Lateral;
 use crate::belief::prior::{Continuity, Prior};
@@ -14,6 +14,8 @@ use crate::pairs::grid::PairwiseGrid;
 use crate::pairs::moments::Moments;
 use crate::pairs::reconcile::Reconciliation;
 use crate::ray::bearing_chain::{BearingChain, Surfaces};
+use crate::ray::chain::Chain;
+use crate::ray::cone::ConeUpdate;
 use crate::ray::update::{RayRule, RayUpdate};
 use crate::ray::{exact, printed};
 
@@ -28,6 +30,7 @@ pub struct Visibility {
     lateral: Option<(Lateral, Surfaces)>,
     onset: f64,
     ray: RayUpdate,
+    cone: ConeUpdate,
     moments: Moments,
     cells: u64,
 }
@@ -76,6 +79,7 @@ impl Visibility {
             lateral: None,
             onset: model.prior.onset(model.grid.cell_m),
             ray: RayUpdate::default(),
+            cone: ConeUpdate::default(),
             moments: Moments::new(model.grid),
             cells: 0,
         }
@@ -101,6 +105,9 @@ impl Visibility {
     fn update_rays(&mut self, scan: &Scan) {
         let sensor = Arc::clone(self.sensors.of(scan));
         let rays: Vec<Ray> = scan.rays().filter(|ray| ray.reading.is_some()).collect();
+        if sensor.width_rad() > 0.0 {
+            return rays.iter().for_each(|ray| self.update_cone(ray, &*sensor));
+        }
         let lateral = self.lateral.as_ref().filter(|(lateral, _)| lateral.rays);
         let others = lateral.map(|(_, surfaces)| BearingChain::new(&*sensor, &rays, self.pairs.spec(), surfaces));
         for (number, ray) in rays.iter().enumerate() {
@@ -111,6 +118,18 @@ impl Visibility {
                 self.moments.add(update.ray.line.cells(), &update.posterior);
                 self.cells += update.ray.line.len() as u64;
             }
+        }
+    }
+}
+
+impl Visibility {
+    /// Adds what a reading from the cone about a ray makes of the map to the moments.
+    fn update_cone(&mut self, ray: &Ray, sensor: &dyn SensorModel) {
+        let Self { pairs, cone, moments, .. } = self;
+        let (spec, model) = (*pairs.spec(), (sensor, self.onset));
+        let gather = |chain: &mut Chain, cells: &[usize]| chain.gather(pairs, cells);
+        if cone.update(ray, &spec, model, self.rule, gather, |cells, posterior| moments.add(cells, posterior)) {
+            self.cells += self.cone.cells();
         }
     }
 }
@@ -146,6 +165,6 @@ impl Mapper for Visibility {
     }
 
     fn work(&self) -> Work {
-        Work { cells: self.cells, bytes: self.pairs.held() + self.moments.held() + self.ray.held() }
+        Work { cells: self.cells, bytes: self.pairs.held() + self.moments.held() + self.ray.held() + self.cone.held() }
     }
 }
