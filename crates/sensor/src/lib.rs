@@ -6,7 +6,8 @@
 //! mapper needs to know of a sensor. [`Stereo`] is the stereo camera of the paper, Eq. (21), and
 //! [`Matcher`] samples the disparities that such a camera would measure, with the paper's
 //! independent mismatches or with [`Clustering`] as measured on real pairs. [`Laser`] is a laser
-//! range finder, with what it measures and how it is sampled.
+//! range finder, with what it measures and how it is sampled. [`OdometryNoise`] is how far odometry may be off in a
+//! [`Step`] from one pose to the next.
 
 mod camera;
 mod clustering;
@@ -18,6 +19,7 @@ pub mod lanes;
 mod laser;
 mod matcher;
 mod normal;
+mod odometry;
 mod scan;
 mod sensor_model;
 mod stereo;
@@ -31,6 +33,7 @@ pub use kernel::{Kernel, Parameters};
 pub use laser::Laser;
 pub use laser::check::LaserError;
 pub use matcher::{Matcher, Surface};
+pub use odometry::{OdometryNoise, OdometryNoiseError, Step, wrapped_rad};
 pub use scan::{Pose, Ray, Scan};
 pub use sensor_model::SensorModel;
 pub use stereo::Stereo;
