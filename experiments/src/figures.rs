@@ -18,6 +18,7 @@ mod legend;
 pub mod letters;
 pub mod maps;
 pub mod mark;
+pub mod movement;
 pub mod panel;
 mod paper;
 pub mod profiles;

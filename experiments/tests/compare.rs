@@ -110,11 +110,44 @@ fn compare_leaves_every_file_it_promises_and_an_account_of_eighty_columns() {
     }
     assert!(summary.contains("all,all,visibility,reached,1,8,0."), "{metric} has a value", metric = "reached");
     assert!(text("summary.md").contains("| conventional loses on log loss |"));
+    retention_stands_where_the_robot_does(&text("repeats.csv"));
     assert!(!text("report.html").contains("://"), "the report needs no network");
     assert!(found["report.html"].len() < 10_000_000);
     let wide: Vec<&str> = out.lines().filter(|line| line.chars().count() > 80).collect();
     assert!(wide.is_empty(), "{wide:#?}");
     assert!(out.contains("log-odds-cartographer") && out.contains("holds  conventional loses on log loss"));
+}
+
+/// Retention is that of a stand; what comes of driving on is a row of its own, once for every stand and mapper.
+fn retention_stands_where_the_robot_does(repeats: &str) {
+    let mut reader = csv::Reader::from_reader(repeats.as_bytes());
+    let heads = reader.headers().expect("a head").clone();
+    let place = |name: &str| heads.iter().position(|head| head == name).unwrap_or_else(|| panic!("{name}: {heads:?}"));
+    let [readings, mapper, count, log_loss, retention] =
+        ["readings", "mapper", "repeats", "log_loss", "retention"].map(place);
+    let rows: Vec<csv::StringRecord> = reader.records().map(|row| row.expect("a row")).collect();
+    let of = |name: &str| rows.iter().filter(|row| &row[readings] == name).count();
+    let most = rows.iter().filter_map(|row| row[count].parse::<usize>().ok()).max().expect("counts");
+    let counts = rows.iter().filter(|row| &row[readings] == "same" && row[count] == most.to_string()).count();
+    assert!(of("same") > counts && of("driven") == counts, "{counts} stands, {} drives", of("driven"));
+    for row in &rows {
+        let stands = ["standing", "driven"].contains(&&row[readings]);
+        assert!(stands || row[retention].is_empty(), "{row:?}");
+        assert!(&row[readings] != "driven" || row[count] == most.to_string(), "{row:?}");
+        let kept: Option<f64> = row[retention].parse().ok();
+        assert!(kept.is_none_or(|kept| (0.0..=1.0).contains(&kept)), "{row:?}");
+        // What knows the truth but for the noise keeps what it knows.
+        assert!(!stands || &row[mapper] != "visibility" || kept.is_some_and(|kept| kept > 0.8), "{row:?}");
+    }
+    // Driving on shows what was looked at from one place alone from others.
+    let mean = |name: &str| {
+        let of = rows
+            .iter()
+            .filter(|row| &row[readings] == name && &row[mapper] == "visibility" && row[count] == most.to_string());
+        let losses: Vec<f64> = of.map(|row| row[log_loss].parse().expect("a loss")).collect();
+        losses.iter().sum::<f64>() / losses.len() as f64
+    };
+    assert!(mean("driven") < mean("standing"), "{} {}", mean("driven"), mean("standing"));
 }
 
 #[test]

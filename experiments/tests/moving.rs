@@ -10,7 +10,7 @@ use std::path::Path;
 use std::process::Command;
 
 use experiments::page::{DecodedWorld, decoded};
-use score::{Region, Scorer};
+use score::{MovingRegion, Region, Scorer};
 
 use checked::checked;
 use closet::SCENE;
@@ -113,7 +113,7 @@ fn room_scores_what_moves_against_the_truth_of_the_moment() {
         }
     }
     run(folder.path(), 0, &[&args[..], &["other", "--threads", "2"]].concat());
-    for file in ["metrics.csv", "timeline.csv", "scans.csv", "truth.npy", "maps.png"] {
+    for file in ["metrics.csv", "timeline.csv", "scans.csv", "truth.npy", "maps.png", "movement.png"] {
         let [one, other] =
             ["one", "other"].map(|name| fs::read(folder.path().join(name).join(file)).expect("readable"));
         assert!(one == other, "{file} depends on the number of threads");
@@ -129,6 +129,7 @@ fn the_page_has(world: &DecodedWorld, metrics: &Metrics) {
     assert_eq!(world.truths.len(), world.moments.len());
     assert_eq!(world.truths.last(), world.truth.as_ref(), "in the end");
     assert!(world.truths.windows(2).any(|pair| pair[0] != pair[1]), "something moves");
+    assert_eq!(world.moving.len(), world.moments.len());
     for (stage, moment) in &world.stages {
         let truth = &world.truths[*moment];
         let part = |wanted: &[Region]| {
@@ -146,6 +147,26 @@ fn the_page_has(world: &DecodedWorld, metrics: &Metrics) {
                 let off = metric.value.zip(value).map_or(f64::INFINITY, |(page, table)| (page - table).abs());
                 assert!(off <= bound, "{} {stage} {}: {off}", mapper.name, metric.name);
             }
+            for (bit, region) in MovingRegion::ALL.iter().enumerate() {
+                let mask = world.moving[*moment].map(|bits| bits >> bit & 1 == 1);
+                let scores = scorer.scores(&mapper.maps[place], &mask).expect("probabilities");
+                for metric in [scores.log_loss, scores.phantom_area] {
+                    let (value, support) = of(metrics, ["1", &mapper.name, stage, region.name(), metric.name]);
+                    assert_eq!(metric.support, support, "{} {stage} {region:?} {}", mapper.name, metric.name);
+                    let off = metric.value.zip(value).map_or(0.0, |(page, table)| (page - table).abs());
+                    assert!(off <= 1e-3 * value.unwrap_or(1.0).max(1.0), "{} {stage} {region:?}: {off}", mapper.name);
+                }
+                // What the page has between stages too, from sums and not from levels.
+                // A batch mapper has no history there.
+                for metric in ["log_loss", "retention"].into_iter().filter(|m| *m == "log_loss" || mapper.name != "mrf")
+                {
+                    let page = mapper.exact[&(region.name().to_owned(), metric.to_owned())][place];
+                    let table = of(metrics, ["1", &mapper.name, stage, region.name(), metric]).0;
+                    let agrees =
+                        page.zip(table).map_or(page.is_none() == table.is_none(), |(a, b)| (a - b).abs() <= 1e-5);
+                    assert!(agrees, "{} {stage} {region:?} {metric}: {page:?} {table:?}", mapper.name);
+                }
+            }
         }
     }
 }
@@ -159,7 +180,9 @@ fn a_world_at_rest_has_no_rows_of_worlds_that_move() {
     let found = metrics(&folder.path().join("o/metrics.csv"));
     assert!(found.keys().all(|key| !["static", "swept", "occupied-now", "changed"].contains(&key[3].as_str())));
     let html = fs::read_to_string(folder.path().join("o/report.html")).expect("readable");
-    assert!(decoded(&html).expect("a page with a viewer")[0].truths.is_empty());
+    let world = decoded(&html).expect("a page with a viewer").remove(0);
+    assert!(world.truths.is_empty() && world.moving.is_empty());
+    assert!(!folder.path().join("o/movement.png").exists());
 }
 
 fn gate(metric: &str, more: &str) -> String {

@@ -107,6 +107,7 @@ fn a_simulated_log_ranks_mappers_as_the_truth_does() {
             assert!(near, "{}: cell {cell} is {p:?} in the file, {} on the page", mapper.name, mapper.maps[0][cell]);
         }
     }
+    along_time_adds_up(folder.path(), &rows);
     let mut differences = csv::Reader::from_path(folder.path().join("o/differences.csv")).expect("written");
     let differences: Vec<_> = differences.records().map(|record| record.expect("a row")).collect();
     for record in &differences {
@@ -118,6 +119,26 @@ fn a_simulated_log_ranks_mappers_as_the_truth_does() {
         }
     }
     assert_eq!(differences.iter().filter(|record| &record[2] == "recalibrated").count(), 5);
+}
+
+/// The blocks of every map add up to its score, and follow each other in time.
+fn along_time_adds_up(folder: &Path, rows: &[(String, f64, f64, f64)]) {
+    let mut reader = csv::Reader::from_path(folder.join("o/along-time.csv")).expect("written");
+    let along: Vec<_> = reader.records().map(|record| record.expect("a row")).collect();
+    let number = |record: &csv::StringRecord, column: usize| record[column].parse::<f64>().expect("a number");
+    for (name, whole, ..) in rows {
+        let of: Vec<_> = along.iter().filter(|record| &record[0] == name && &record[2] == "plain").collect();
+        assert!(of.len() > 1, "{name}: {} blocks", of.len());
+        assert!(of.windows(2).all(|pair| number(pair[0], 5) < number(pair[1], 4)), "{name}");
+        let readings: f64 = of.iter().map(|record| number(record, 7)).sum();
+        let mean = of.iter().map(|record| number(record, 7) * number(record, 8)).sum::<f64>() / readings;
+        assert!((mean - whole).abs() < 1e-4, "{name}: {mean}, {whole} in all");
+        for record in of {
+            assert!(number(record, 12) <= number(record, 11) && number(record, 11) <= number(record, 13), "{record:?}");
+            assert!(name != "visibility" || number(record, 11).abs() < 1e-12, "the baseline less itself: {record:?}");
+        }
+    }
+    assert!(folder.join("o/along-time.png").exists());
 }
 
 /// Clamps decide no more: maps that have found walls predict better than a map that says the same of every cell it has seen, which the

@@ -6,8 +6,8 @@
 //! mapper needs to know of a sensor. [`Stereo`] is the stereo camera of the paper, Eq. (21), and
 //! [`Matcher`] samples the disparities that such a camera would measure, with the paper's
 //! independent mismatches or with [`Clustering`] as measured on real pairs. [`Laser`] is a laser
-//! range finder, with what it measures and how it is sampled; [`Sonar`] hears the nearest thing in a cone. [`OdometryNoise`] is how far odometry may be off in a
-//! range finder, with what it measures and how it is sampled. [`OdometryNoise`] is how far odometry may be off in a
+//! range finder, with what it measures and how it is sampled; [`Sonar`] hears the nearest thing in
+//! a cone. [`OdometryNoise`] is how far odometry may be off in a
 //! [`Step`] from one pose to the next.
 
 mod camera;

@@ -1,5 +1,6 @@
 //! `replay`: what a robot recorded, mapped by several rules, and how well each map predicts scans that it has not seen.
 
+mod along_time;
 mod extent;
 mod figure;
 mod kept_back;
@@ -85,7 +86,7 @@ pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
     let out = options.out();
     let reads: Vec<&Path> =
         [Some(&options.log), options.trajectory.as_ref()].into_iter().flatten().map(PathBuf::as_path).collect();
-    let mut staging = Staging::open(&out, &Purpose::new("replay", &reads, outputs::names(&entries)))?;
+    let mut staging = Staging::open(&out, &Purpose::new("replay", &reads, outputs::names(&entries, &options.paper)))?;
 
     let mapping = Instant::now();
     let maps = mapping::map(&recording, &survey, options.hold_out, &entries, &setup)?;

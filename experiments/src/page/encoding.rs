@@ -13,7 +13,7 @@ use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
 use grid::Raster;
 use rayon::prelude::*;
-use score::Region;
+use score::{MovingRegion, Region};
 use sensor::Scan;
 use serde_json::{Value, json};
 
@@ -78,7 +78,9 @@ fn thin(world: &mut ViewedWorld) {
 /// Names of the regions of [`Frame::exact`], in its order.
 pub(super) fn region_names(world: &ViewedWorld) -> Vec<&str> {
     let by_rays = Region::ALL.iter().map(|region| region.name());
-    by_rays.chain(world.regions.iter().map(|(name, _)| name.as_str())).collect()
+    let moves = world.moments.iter().any(|moment| moment.scenery.is_some());
+    let of_movement = MovingRegion::ALL.iter().map(|region| region.name()).filter(|_| moves);
+    by_rays.chain(world.regions.iter().map(|(name, _)| name.as_str())).chain(of_movement).collect()
 }
 
 fn world(world: &ViewedWorld) -> Value {
@@ -116,9 +118,14 @@ fn world(world: &ViewedWorld) -> Value {
         let truths: Vec<Vec<u8>> = sceneries.iter().map(|scenery| codes(&scenery.truth).values().to_vec()).collect();
         coded["truths"] = json!(base64(&film::packed(&truths, shape(world, TRUTHS, 0))));
         coded["things"] = things(&sceneries);
+        let regions: Vec<Vec<u8>> = sceneries.iter().map(|scenery| scenery.regions.values().to_vec()).collect();
+        coded["moving"] = json!(base64(&film::packed(&regions, shape(world, MOVING, 0))));
     }
     coded
 }
+
+/// Number of sets of regions of a world that moves.
+const MOVING: usize = 1 << MovingRegion::ALL.len();
 
 /// Number of codes of a truth: free, occupied, not known.
 const TRUTHS: usize = 3;

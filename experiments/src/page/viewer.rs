@@ -10,7 +10,7 @@ use super::scans::Scans;
 use crate::failure::Failure;
 use crate::worlds::film::{self, Frame};
 use crate::worlds::ground::Ground;
-use crate::worlds::run::{Run, Stage, StageMap, Trial};
+use crate::worlds::run::{RegionScore, Run, Stage, StageMap, Trial};
 use crate::worlds::witness::Witness;
 
 /// Moments of a drive besides the ends of its stages, where a page shows several worlds: enough to see a map grow.
@@ -56,7 +56,8 @@ pub struct ViewedWorld {
     pub stages: Vec<Stage>,
     /// The scene's regions by name; those that follow from rays are in the moments.
     pub regions: Vec<(String, Raster<bool>)>,
-    /// Name and unit of the metrics that regions are scored by, in the order of tables.
+    /// Name and unit of the metrics that regions are scored by, in the order of tables: those that every region has, then those that only regions
+    /// of a world that moves have.
     pub metrics: Vec<(String, String)>,
     /// The mappers, in the order of tables.
     pub mappers: Vec<Mapped>,
@@ -81,6 +82,8 @@ pub struct Scenery {
     pub truth: Raster<Option<bool>>,
     /// What everything that moves covers, the same things in the same order at every moment.
     pub things: Vec<Shape>,
+    /// The regions of [`MovingRegion::ALL`] that each cell belongs to: bit k for the k-th.
+    pub regions: Raster<u8>,
 }
 
 /// One mapper's maps and scores.
@@ -131,17 +134,27 @@ impl ViewedWorld {
             stages: stages.to_vec(),
             regions: ground.scene.regions.iter().map(|r| (r.name.clone(), r.mask(&ground.scene.grid))).collect(),
             metrics: metrics(trial),
-            mappers: trial.runs.iter().map(mapped).collect(),
+            mappers: trial.runs.iter().map(|run| mapped(run, &metrics(trial))).collect(),
         })
     }
 }
 
-/// The viewer has no regions of a world that moves: those are in the tables.
-fn mapped(run: &Run) -> Mapped {
+/// Whether it is the name of a region that only a world that moves has.
+fn is_moving(region: &str) -> bool {
+    MovingRegion::ALL.iter().any(|moving| moving.name() == region)
+}
+
+/// Scores in the order of `metrics`, as far as they go.
+fn mapped(run: &Run, metrics: &[(String, String)]) -> Mapped {
+    let values = |of: &[RegionScore]| {
+        let value = |name: &str| of.iter().find(|score| score.metric.name == name).map(|score| score.metric.value);
+        let found = metrics.iter().map(|(name, _)| value(name));
+        // What only regions of a world that moves have comes last.
+        if is_moving(&of[0].region) { found.map(Option::flatten).collect() } else { found.flatten().collect() }
+    };
     let by_region = |stage: &StageMap| {
         let regions = stage.scores.chunk_by(|a, b| a.region == b.region);
-        let regions = regions.filter(|of| MovingRegion::ALL.iter().all(|region| region.name() != of[0].region));
-        regions.map(|of| (of[0].region.clone(), of.iter().map(|score| score.metric.value).collect())).collect()
+        regions.map(|of| (of[0].region.clone(), values(of))).collect()
     };
     Mapped {
         name: run.mapper.to_owned(),
@@ -151,11 +164,17 @@ fn mapped(run: &Run) -> Mapped {
     }
 }
 
-/// Every region has the same metrics.
+/// Those of the first region, which every region has, and those that regions of a world that moves have besides.
 fn metrics(trial: &Trial) -> Vec<(String, String)> {
     let Some(stage) = trial.runs.first().and_then(|run| run.stages.first()) else { return Vec::new() };
     let first = stage.scores.chunk_by(|a, b| a.region == b.region).next().unwrap_or_default();
-    first.iter().map(|score| (score.metric.name.to_owned(), score.metric.unit.to_owned())).collect()
+    let mut metrics: Vec<(String, String)> = Vec::new();
+    for RegionScore { metric, .. } in first.iter().chain(stage.scores.iter().filter(|score| is_moving(&score.region))) {
+        if metrics.iter().all(|(name, _)| name != metric.name) {
+            metrics.push((metric.name.to_owned(), metric.unit.to_owned()));
+        }
+    }
+    metrics
 }
 
 /// Casts no ray anew: the trial kept the true range of each.
@@ -165,9 +184,10 @@ fn replay(ground: &Ground, trial: &Trial, scans: &[usize]) -> Result<Vec<Moment>
     for (i, simulated) in trial.simulation.scans.iter().enumerate() {
         witness.look(ground, i, simulated)?;
         if scans.binary_search(&(i + 1)).is_ok() {
-            let scenery = ground.moves().then(|| Scenery {
-                truth: witness.truth(ground).clone(),
+            let scenery = witness.movement.as_ref().map(|movement| Scenery {
+                truth: movement.moving.truth().clone(),
                 things: ground.drive.motion.shapes_at(i).map(|(_, shape)| shape.clone()).collect(),
+                regions: film::moving_regions(&movement.moving),
             });
             moments.push(Moment { scans: i + 1, parts: Some(film::parts(&witness.seen)), scenery });
         }

@@ -1,7 +1,7 @@
 //! What a report keeps of a map as it grows.
 
 use grid::Raster;
-use score::{Region, Retention};
+use score::{Moving, MovingRegion, Region, Retention};
 
 use super::levels::{fine, levels};
 
@@ -15,7 +15,7 @@ pub struct Frame {
     /// Occupancy in [`fine`] steps of log odds, at the end of a stage.
     pub fine: Option<Raster<i16>>,
     /// The metrics that levels are too coarse for or that have a history, [`EXACT`], of every region: those of
-    /// [`Region::ALL`] and then those that the scene names.
+    /// [`Region::ALL`], those that the scene names, and those of [`MovingRegion::ALL`] in a world that moves.
     pub exact: Vec<[Option<f64>; EXACT.len()]>,
 }
 
@@ -30,6 +30,8 @@ pub struct Judge<'a> {
     pub parts: &'a Raster<Option<Region>>,
     /// The regions that the scene names.
     pub named: &'a [Raster<bool>],
+    /// The regions of a world that moves at the moment, see [`moving_regions`].
+    pub moving: Option<&'a Raster<u8>>,
 }
 
 /// The four regions that no cell is in two of; the others are made of them.
@@ -40,6 +42,16 @@ pub fn parts(seen: &score::Sightings) -> Raster<Option<Region>> {
     let spec = *seen.looks().spec();
     let part = |cell| PARTS.into_iter().find(|region| seen.contains(*region, cell));
     Raster::new(spec, (0..spec.cells()).map(part).collect())
+}
+
+/// The regions of [`MovingRegion::ALL`] that each cell belongs to at the moment: bit k for the k-th.
+pub fn moving_regions(moving: &Moving) -> Raster<u8> {
+    let spec = *moving.truth().spec();
+    let bits = |cell| {
+        let inside = |(k, region): (usize, &MovingRegion)| u8::from(moving.contains(*region, cell)) << k;
+        MovingRegion::ALL.iter().enumerate().map(inside).sum()
+    };
+    Raster::new(spec, (0..spec.cells()).map(bits).collect())
 }
 
 /// The levels of a map that had others before, if any.
@@ -86,6 +98,7 @@ impl Judge<'_> {
     pub fn exact(&self, map: &Raster<f64>, retention: Option<&Retention>) -> Vec<[Option<f64>; EXACT.len()]> {
         let mut by_part = [Sums::default(); PARTS.len()];
         let mut by_name = vec![Sums::default(); self.named.len()];
+        let mut by_movement = vec![Sums::default(); self.moving.map_or(0, |_| MovingRegion::ALL.len())];
         for (cell, &p) in map.values().iter().enumerate() {
             let (Some(occupied), Some(part)) = (self.truth[cell], self.parts[cell]) else { continue };
             let clipped = p.clamp(score::threshold::CLIP, 1.0 - score::threshold::CLIP);
@@ -102,12 +115,16 @@ impl Judge<'_> {
             for (of_name, _) in by_name.iter_mut().zip(self.named).filter(|(_, mask)| mask[cell]) {
                 *of_name = of_name.and(sums);
             }
+            let bits = self.moving.map_or(0, |moving| moving[cell]);
+            for (_, of_region) in by_movement.iter_mut().enumerate().filter(|(k, _)| bits >> k & 1 == 1) {
+                *of_region = of_region.and(sums);
+            }
         }
         let by_rays = Region::ALL.iter().map(|region| {
             let of_region = PARTS.iter().zip(by_part).filter(|(part, _)| holds(*region, **part));
             of_region.fold(Sums::default(), |all, (_, sums)| all.and(sums))
         });
-        by_rays.chain(by_name).map(Sums::metrics).collect()
+        by_rays.chain(by_name).chain(by_movement).map(Sums::metrics).collect()
     }
 }
 

@@ -36,6 +36,8 @@ pub struct Trial {
     pub seen: Sightings,
     /// At the end of every stage, the cells that a ray has crossed or hit first: the others are unseen.
     pub reached: Vec<Raster<bool>>,
+    /// At the end of every stage, the regions of a world that moves, see [`film::moving_regions`]; nothing of a world at rest.
+    pub moving: Vec<Raster<u8>>,
     /// One per mapper, in the order asked for.
     pub runs: Vec<Run>,
 }
@@ -127,7 +129,7 @@ impl Ground {
     ) -> Result<Trial, Failure> {
         let simulation = scene::simulate(&self.scene, &self.world, &self.drive, seed);
         let mut witness = Witness::new(self);
-        let mut reached = Vec::new();
+        let (mut reached, mut moving) = (Vec::new(), Vec::new());
         let sharp = Model { sensors: Sensors::one(Arc::new(self.sharp())), ..setup.clone() };
         let setup = |entry: &Entry| if entry.kind == Kind::NoiseFree { &sharp } else { setup };
         let mut walks: Vec<Walk> = mappers.iter().map(|entry| Walk::new(entry, setup(entry), self)).collect();
@@ -137,6 +139,8 @@ impl Ground {
             witness.look(self, i, simulated)?;
             let seen = &witness.seen;
             let stages = simulation.stages.iter().filter(|stage| stage.scans == i + 1).count();
+            let is_kept = keep.frames.binary_search(&(i + 1)).is_ok();
+            let movement = witness.movement.as_ref().filter(|_| is_kept || stages > 0);
             let now = Now {
                 scans: i + 1,
                 scan: &simulated.scan,
@@ -146,7 +150,8 @@ impl Ground {
                 observable: keep.timeline.then(|| seen.mask(Region::Observable)),
                 stages,
                 reached: (stages > 0).then(|| seen.looks().map(|looks| *looks > 0)),
-                parts: keep.frames.binary_search(&(i + 1)).is_ok().then(|| film::parts(seen)),
+                parts: is_kept.then(|| film::parts(seen)),
+                moving: movement.map(|movement| film::moving_regions(&movement.moving)),
                 named: &named,
                 last: i + 1 == simulation.scans.len(),
             };
@@ -155,9 +160,10 @@ impl Ground {
                 Ok::<(), Failure>(())
             })?;
             reached.extend(now.reached.iter().flat_map(|reached| vec![reached.clone(); stages]));
+            moving.extend(now.moving.iter().flat_map(|regions| vec![regions.clone(); stages]));
         }
         let runs = walks.into_iter().map(|walk| walk.run).collect();
-        Ok(Trial { seed, simulation, seen: witness.seen, reached, runs })
+        Ok(Trial { seed, simulation, seen: witness.seen, reached, moving, runs })
     }
 
     /// The camera that gives noise-free readings, as nearly as a mapper can assume it: not so sharp that a
@@ -236,6 +242,8 @@ struct Now<'a> {
     parts: Option<Raster<Option<Region>>>,
     /// The regions that the scene names.
     named: &'a [Raster<bool>],
+    /// Those of a world that moves, where the map is to be kept or a stage ends.
+    moving: Option<Raster<u8>>,
     /// Whether it is the last scan of the drive.
     last: bool,
 }
@@ -300,7 +308,7 @@ impl Walk {
             return Ok(None);
         }
         if let Some(parts) = &now.parts {
-            let judge = Judge { truth: now.truth, parts, named: now.named };
+            let judge = Judge { truth: now.truth, parts, named: now.named, moving: now.moving.as_ref() };
             let online = self.kind != Kind::Batch;
             self.run.frames.push(Frame {
                 scans: now.scans,

@@ -16,6 +16,10 @@ const REGIONS = [["observable", "what could be seen so far"], ["visible", "free 
   ["surface", "obstacles seen so far"], ["shell", "just behind what was seen"], ["hidden", "the rest"],
   ["all", "every cell whose truth is known"]];
 
+/** What the regions of a world that moves are, in the order of MOVING. */
+const OF_MOVEMENT = ["what nothing that moves has covered", "where something has been and is no more",
+  "where something that moves stands now", "what looks have found changed"];
+
 /** @param {number|null|undefined} value @param {number} digits @returns {string} */
 const round = (value, digits = 4) => (value === null || value === undefined ? "–" : value.toFixed(digits));
 
@@ -44,7 +48,8 @@ function offer() {
   const named = world.regions.map((region) => [region.name, `${region.name}: a region of the scene`]);
   const scored = world.mappers.flatMap((mapper) => Object.keys(mapper.scores[0] ?? {}));
   const by_rays = REGIONS.map(([name, what]) => [name, `${name}: ${what}`]).filter(([name]) => !scored.length || scored.includes(name));
-  fill(element("viewer-region"), [by_rays[0], ...named, ...by_rays.slice(1)], chosen.region);
+  const by_movement = world.moving ? MOVING.map((name, k) => [name, `${name}: ${OF_MOVEMENT[k]}`]) : [];
+  fill(element("viewer-region"), [by_rays[0], ...named, ...by_rays.slice(1), ...by_movement], chosen.region);
   // Without a truth nothing is judged by it.
   for (const name of ["truth", "error"]) input(name).closest("label").hidden = world.truth === null;
   input("looks").closest("label").hidden = !world.scans?.truth;

@@ -20,13 +20,15 @@ const isOfNow = (panel) => panel.mapper.moments[panel.frame] === chosen.moment;
 
 /** Whether a cell belongs to the chosen region at the chosen moment. @returns {(cell: number) => boolean} */
 function insideRegion() {
-  const { truth, regions, parts } = shown.ground;
+  const { truth, regions, parts, moving } = shown.ground;
   if (!truth) return () => true;
   const part = parts[chosen.moment];
   const named = regions.get(chosen.region);
   if (named) return (cell) => named[cell] === 1 && truth[cell] !== UNKNOWN;
   if (chosen.region === "all") return (cell) => part[cell] !== 0;
   if (chosen.region === "observable") return (cell) => part[cell] === VISIBLE || part[cell] === SURFACE;
+  const bit = MOVING.indexOf(chosen.region);
+  if (moving && bit >= 0) return (cell) => ((moving[chosen.moment][cell] >> bit) & 1) === 1;
   const code = PARTS.indexOf(chosen.region);
   return (cell) => part[cell] === code;
 }
@@ -155,6 +157,14 @@ function metricsOf(panel, scene) {
   return { own, table: stage < 0 ? null : (panel.mapper.scores[stage]?.[chosen.region] ?? null) };
 }
 
+/** Whether the chosen region has a metric: every region has those of the shortest row, and some that follows from movement more.
+ * @param {World} world @param {number} number */
+function hasMetric(world, number) {
+  const stages = world.mappers.flatMap((mapper) => mapper.scores);
+  const common = Math.min(...stages.flatMap((stage) => Object.values(stage).map((values) => values.length)));
+  return number < common || stages.some((stage) => (stage[chosen.region]?.[number] ?? null) !== null);
+}
+
 /** Metrics of both maps over the chosen region. @param {Scene} scene */
 function showMetrics(scene) {
   const { world, ground, inside } = scene;
@@ -162,6 +172,7 @@ function showMetrics(scene) {
   const head = make("tr");
   head.append(make("th", "metric", { scope: "col" }), ...shown.panels.map(({ name }) => make("th", name, { scope: "col" })));
   const rows = world.metrics.map(([name, unit], number) => {
+    if (!hasMetric(world, number)) return null;
     const row = make("tr", "", { "data-metric": name });
     const heading = make("th", name.replaceAll("_", " ") + (unit === "1" ? "" : `, ${unit}`), { scope: "row" });
     row.append(heading, ...columns.map(({ own, table }) =>
@@ -169,7 +180,7 @@ function showMetrics(scene) {
     return row;
   });
   element("viewer-metrics").tHead.replaceChildren(head);
-  element("viewer-metrics").tBodies[0].replaceChildren(...rows);
+  element("viewer-metrics").tBodies[0].replaceChildren(...rows.filter((row) => row !== null));
   let count = 0;
   for (let cell = 0; cell < ground.truth.length; cell++) count += inside(cell);
   const stage = stageNow(world);
@@ -218,7 +229,8 @@ function factsOf(world, ground, cell) {
     index: `${column}, ${row}`,
     truth: ground.truth ? ["free", "occupied", "not known"][ground.truth[cell]] : "not known",
     x: `${x_m.toFixed(3)} m`,
-    part: PARTS[ground.parts[chosen.moment]?.[cell] ?? 0] || "no region",
+    part: [PARTS[ground.parts[chosen.moment]?.[cell] ?? 0], ...MOVING.filter((_, k) => (ground.moving?.[chosen.moment][cell] >> k) & 1)]
+      .filter(Boolean).join(", ") || "no region",
     y: `${y_m.toFixed(3)} m`,
     rays: looks ? `${looks.looks[cell]}` : "–",
   };

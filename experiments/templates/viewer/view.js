@@ -39,8 +39,8 @@ function zoom() {
   if (!shown) return;
   const { world, ground } = shown;
   if (chosen.part.zoom > 1) return showPart(world, 1, 0, 0);
-  const region = ground.regions.get(chosen.region);
-  const inside = region ? [...region.keys()].filter((cell) => region[cell]) : [];
+  const isSmall = ground.regions.has(chosen.region) || (ground.moving !== null && MOVING.includes(chosen.region));
+  const inside = isSmall ? [...Array(world.width * world.height).keys()].filter(insideRegion()) : [];
   const pose = ground.scans[world.moments[chosen.moment] - 1]?.pose ?? [0, 0];
   const [column, row] = [0, 1].map((axis) => Math.floor((pose[axis] - world.origin_m[axis]) / world.cell_m));
   centre(world, ZOOM, chosen.cursor ?? inside[Math.floor(inside.length / 2)] ?? row * world.width + column);

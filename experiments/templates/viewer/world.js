@@ -8,11 +8,11 @@
  *   poses: number[][], times: number[], readings: string, truth: {ranges: string, reach: string}|null}} PackedScans
  * @typedef {{name: string, seed: number|null, cell_m: number, origin_m: number[], width: number, height: number, prior: number,
  *   radius_m: number, route: number[][], scans: PackedScans|null, moments: number[], stages: Stage[],
- *   regions: {name: string, cells: string}[], region_names: string[], truth: string|null, truths?: string, things?: (0|number[])[][], parts: string,
+ *   regions: {name: string, cells: string}[], region_names: string[], truth: string|null, truths?: string, moving?: string, things?: (0|number[])[][], parts: string,
  *   metrics: string[][], mappers: Mapper[]}} World
  * @typedef {{bearings: number[], pose: number[], time_s: number, readings: (number|null)[], ranges: (number|null)[]|null,
  *   reach: number[]|null}} Scan
- * @typedef {{truth: Uint8Array|null, truths: Uint8Array[]|null, things: number[][][], parts: Uint8Array[], regions: Map<string, Uint8Array>, scans: Scan[]}} Ground
+ * @typedef {{truth: Uint8Array|null, truths: Uint8Array[]|null, moving: Uint8Array[]|null, things: number[][][], parts: Uint8Array[], regions: Map<string, Uint8Array>, scans: Scan[]}} Ground
  * @typedef {{levels: Uint8Array[], fine: Map<number, Int16Array>, exact: Map<string, (number|null)[]>, known: Uint8Array|null}} Maps
  */
 
@@ -25,6 +25,9 @@ const FREE = 0, OCCUPIED = 1, UNKNOWN = 2;
 /** Names of the parts of a map, as coded: 0 is no part. */
 const PARTS = ["", "visible", "surface", "shell", "hidden"];
 const VISIBLE = 1, SURFACE = 2;
+
+/** Names of the regions of a world that moves: bit k for the k-th. */
+const MOVING = ["static", "swept", "occupied-now", "changed"];
 
 /** Keeps what was unpacked, so that every block is unpacked once. @template T @param {object} key @param {() => T} unpack @returns {T} */
 function once(key, unpack) {
@@ -43,6 +46,7 @@ const maskOf = (world, text) => film(text, 1, shapeOf(world, 2))[0];
 const groundOf = (world) => once(world, () => ({
   truth: world.truth === null ? null : film(world.truth, 1, shapeOf(world, 3))[0],
   truths: world.truths ? film(world.truths, world.moments.length, shapeOf(world, 3)) : null,
+  moving: world.moving ? film(world.moving, world.moments.length, shapeOf(world, 1 << MOVING.length)) : null,
   things: thingsOf(world.things ?? []),
   parts: film(world.parts, world.truth === null ? 0 : world.moments.length, shapeOf(world, PARTS.length)),
   regions: new Map(world.regions.map(({ name, cells }) => [name, maskOf(world, cells)])),

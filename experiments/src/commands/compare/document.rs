@@ -66,6 +66,10 @@ pub fn sections(plan: &Plan, rows: &Rows, pictures: &[Picture]) -> Vec<Section> 
         sheet(Readings::Same, "Phantom area, m²,", 2, |r| r.phantom_area);
         sheet(Readings::Standing, "Log loss, nats/cell,", 3, |r| r.log_loss);
         sheet(Readings::Standing, "Share of free space held free", 3, |r| r.free_known);
+        if rows.repeats.iter().any(|r| r.readings == Readings::Driven) {
+            sheet(Readings::Standing, "Free-space retention", 3, |r| r.retention);
+            sheet(Readings::Driven, "Log loss, nats/cell,", 3, |r| r.log_loss);
+        }
         sheet(Readings::Fresh, "Log loss, nats/cell,", 3, |r| r.log_loss);
         sections.push(section("The same scan again and again", AGAIN, again));
     }

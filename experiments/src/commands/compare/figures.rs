@@ -112,7 +112,7 @@ pub fn profiles(findings: &Findings, scope: &Scope, mappers: &[&str], paper: &Pa
 
 /// Log loss, and free space held free, against the number of repeats.
 pub fn repeats(rows: &Rows, mappers: &[&str], paper: &Paper) -> Drawing {
-    let counts = repeat_counts(rows);
+    let counts = repeat_counts(rows, Readings::Same);
     let most = counts.last().copied().unwrap_or(1) as f64;
     let drawn: Vec<_> =
         lines(mappers).into_iter().filter(|(mapper, _)| rows.repeats.iter().any(|r| r.mapper == *mapper)).collect();

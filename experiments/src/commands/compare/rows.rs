@@ -50,6 +50,8 @@ pub struct Repeat {
     pub free_known: Option<f64>,
     pub phantom_area: Option<f64>,
     pub missed_area: Option<f64>,
+    #[serde(default)] // tables of before this column are shown too
+    pub retention: Option<f64>,
 }
 
 /// The tables that are shown.

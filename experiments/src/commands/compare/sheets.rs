@@ -206,7 +206,7 @@ pub fn repeats(
     decimals: usize,
     of: fn(&Repeat) -> Option<f64>,
 ) -> Sheet {
-    let counts = repeat_counts(rows);
+    let counts = repeat_counts(rows, readings);
     let repeated = mappers.iter().filter(|mapper| rows.repeats.iter().any(|r| r.mapper == **mapper));
     let row = |mapper: &&str| {
         let values = counts.iter().map(|count| number(repeated_mean(rows, readings, mapper, *count, of), decimals));
@@ -216,6 +216,7 @@ pub fn repeats(
         Readings::Same => "after the same scan so many times",
         Readings::Standing => "after so many scans of a robot that stands: mismatches stay, noise is fresh",
         Readings::Fresh => "after so many scans from one place, all of them fresh",
+        Readings::Driven => "after so many scans of a robot that stood and then drove 5 m",
     };
     Sheet {
         caption: format!("{title} {after}"),
@@ -226,8 +227,9 @@ pub fn repeats(
 }
 
 /// How often scans were repeated, rising.
-pub fn repeat_counts(rows: &Rows) -> Vec<usize> {
-    rows.repeats.iter().map(|r| r.repeats).collect::<std::collections::BTreeSet<_>>().into_iter().collect()
+pub fn repeat_counts(rows: &Rows, readings: Readings) -> Vec<usize> {
+    let of_readings = rows.repeats.iter().filter(|r| r.readings == readings);
+    of_readings.map(|r| r.repeats).collect::<std::collections::BTreeSet<_>>().into_iter().collect()
 }
 
 /// Mean over worlds and scans of a number after so many repeats.

@@ -207,6 +207,7 @@ pub fn repeats(repeated: &[Repeated]) -> Table {
             ("free_known", &|r| optional(r.free_known)),
             ("phantom_area", &|r| optional(r.phantom_area)),
             ("missed_area", &|r| optional(r.missed_area)),
+            ("retention", &|r| optional(r.retention)),
         ],
     )
 }

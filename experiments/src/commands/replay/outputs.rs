@@ -10,6 +10,7 @@ use mapper::{Belief, Model};
 use score::{Better, SeriesMean};
 use serde_json::{Value, json};
 
+use super::along_time;
 use super::extent::Survey;
 use super::figure;
 use super::mapping::Maps;
@@ -18,6 +19,7 @@ use super::predictions::{Prediction, Predictions};
 use super::recording::Recording;
 use super::viewed;
 use crate::failure::Failure;
+use crate::figures::Paper;
 use crate::output;
 use crate::output::folder::Staging;
 use crate::output::ledger::RECORD;
@@ -37,11 +39,12 @@ pub(super) struct Told<'a> {
 }
 
 /// Every file that may come of it, beside the record.
-pub(super) fn names(entries: &[&Entry]) -> Vec<String> {
-    let fixed = ["predictions.csv", "differences.csv", "maps.png", "report.html"].map(str::to_owned);
+pub(super) fn names(entries: &[&Entry], paper: &Paper) -> Vec<String> {
+    let tables = ["predictions.csv", "differences.csv", "along-time.csv", "report.html"];
+    let fixed = tables.into_iter().map(str::to_owned).chain(paper.files(&["along-time.png", "maps.png"]));
     let maps = entries.iter().flat_map(|entry| output::map::names(entry.name));
     let costmaps = entries.iter().flat_map(|entry| output::map::footprint_names(entry.name));
-    fixed.into_iter().chain(maps).chain(costmaps).collect()
+    fixed.chain(maps).chain(costmaps).collect()
 }
 
 /// Writes everything.
@@ -49,6 +52,8 @@ pub(super) fn write(staging: &mut Staging, recording: &Recording, told: &Told) -
     let (scores, differences) = (told.predictions.table(), told.predictions.differences());
     scores.save(staging, "predictions.csv")?;
     differences.save(staging, "differences.csv")?;
+    let (along, baseline) = (&told.predictions.along, &told.predictions.rows[told.predictions.baseline].name);
+    along_time::table(along, baseline).save(staging, "along-time.csv")?;
     for map in &told.maps.maps {
         output::map::write(staging, map.mapper, &map.occupancy, &told.maps.seen)?;
         if let Some(radius_m) = told.options.footprint {
@@ -62,6 +67,9 @@ pub(super) fn write(staging: &mut Staging, recording: &Recording, told: &Told) -
     let drawing = figure::draw(&drawn, &told.maps.seen, prior, &told.survey.path, paper);
     let bytes = paper.save(staging, "maps.png", &drawing)?;
     let picture = Picture { name: "maps.png".to_owned(), caption: figure::CAPTION.to_owned(), bytes };
+    let drawing = along_time::draw(along, baseline, paper);
+    let bytes = paper.save(staging, "along-time.png", &drawing)?;
+    let in_time = Picture { name: "along-time.png".to_owned(), caption: along_time::CAPTION.to_owned(), bytes };
     let mut configuration = configuration(told);
     let programs = told.options.programs.record();
     if !programs.is_empty() {
@@ -88,6 +96,7 @@ pub(super) fn write(staging: &mut Staging, recording: &Recording, told: &Told) -
                         "Differences from the baseline; above 0 is worse, recalibrated ones first",
                         &differences,
                     )),
+                    Part::Picture(in_time),
                 ],
             ),
             section("What is in the log", "", vec![Part::Sheet(Sheet::of("Counts", &counts(told)))]),

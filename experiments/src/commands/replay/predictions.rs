@@ -5,6 +5,7 @@ use score::{SeriesMean, series_mean};
 use sensor::Scan;
 use serde_json::json;
 
+use super::along_time::{self, Along, Kept};
 use super::kept_back;
 use super::mapping::{Map, Maps};
 use super::recalibrated::{FOLDS, Recalibrated};
@@ -24,6 +25,8 @@ pub(super) struct Predictions {
     pub(super) readings: u64,
     /// Mappers that gave no map, and why.
     pub(super) faults: Vec<(&'static str, String)>,
+    /// The scores along the time of the log.
+    pub(super) along: Vec<Along>,
     /// How far they agree with a map, if there is one that knows anything.
     pub(super) agreement: Option<Judged>,
 }
@@ -36,6 +39,8 @@ pub(super) struct Judged {
 
 /// What one scan says of every map.
 struct Told {
+    /// When it was made, s since the first scan of the log.
+    time_s: f64,
     /// `-ln P` of its readings under every belief.
     losses: Vec<f64>,
     /// The same of every map after recalibration, if there is one.
@@ -116,7 +121,7 @@ impl Predictions {
                 }
             }
             let agreement = |map: &Map| Agreement::of(scan, &map.occupancy, &maps.seen, sensor, spread);
-            Told { losses, fair, readings, agreements: maps.maps.iter().map(agreement).collect() }
+            Told { time_s: scan.time_s, losses, fair, readings, agreements: maps.maps.iter().map(agreement).collect() }
         };
         let scans = kept_back::each(recording, hold_out, &told)?;
         let series = |of: &dyn Fn(&Told) -> f64| {
@@ -145,13 +150,36 @@ impl Predictions {
             Ok(Prediction { name: name.clone(), plain, fair })
         };
         let rows: Vec<Prediction> = beliefs.iter().enumerate().map(row).collect::<Result<_, Failure>>()?;
+        let along = Self::along(&scans, &rows, baseline, compared, &place);
         let readings = scans.iter().map(|scan| scan.readings).sum();
         let judged = judging(&rows, maps);
         let agreement = judged.map(|map| Judged {
             mapper: maps.maps[map].mapper,
             agreement: scans.iter().map(|scan| scan.agreements[map]).fold(Agreement::default(), Agreement::and),
         });
-        Ok(Self { rows, baseline, scans: scans.len(), readings, faults: maps.faults.clone(), agreement })
+        Ok(Self { rows, baseline, scans: scans.len(), readings, faults: maps.faults.clone(), along, agreement })
+    }
+
+    /// Every row along the time of the log, recalibrated and as the maps are; `place` is where a map stands among the recalibrated.
+    fn along(
+        scans: &[Told],
+        rows: &[Prediction],
+        baseline: usize,
+        compared: usize,
+        place: &dyn Fn(&str) -> Option<usize>,
+    ) -> Vec<Along> {
+        let kept: Vec<Kept> = scans.iter().map(|scan| Kept { time_s: scan.time_s, readings: scan.readings }).collect();
+        let blocks = |row: &Prediction, score, of: &dyn Fn(&Told) -> f64, than: &dyn Fn(&Told) -> f64| {
+            let values = |of: &dyn Fn(&Told) -> f64| scans.iter().map(of).collect::<Vec<_>>();
+            along_time::blocks(&row.name, score, &kept, &values(of), &values(than))
+        };
+        let fair = rows.iter().filter(|row| row.fair.is_some()).filter_map(|row| Some((row, place(&row.name)?)));
+        let fair =
+            fair.flat_map(|(row, k)| blocks(row, "recalibrated", &|scan| scan.fair[k], &|scan| scan.fair[compared]));
+        let plain = rows.iter().enumerate();
+        let plain =
+            plain.flat_map(|(k, row)| blocks(row, "plain", &|scan| scan.losses[k], &|scan| scan.losses[baseline]));
+        fair.chain(plain).collect()
     }
 
     /// As `replay` prints them; where programs gave no map, with a row and the error for each.

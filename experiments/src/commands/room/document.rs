@@ -29,10 +29,11 @@ pub(crate) fn rows(csv: &[u8]) -> Result<Vec<MetricRow>, csv::Error> {
 }
 
 /// Names and captions of the pictures, in the order of the page.
-pub(crate) const PICTURES: [(&str, &str); 4] = [
+pub(crate) const PICTURES: [(&str, &str); 5] = [
     ("scene.png", figures::scene::CAPTION),
     ("maps.png", figures::maps::CAPTION),
     ("regions.png", figures::regions::CAPTION),
+    ("movement.png", figures::movement::CAPTION),
     ("timeline.png", figures::timeline::CAPTION),
 ];
 

@@ -215,6 +215,8 @@ fn pictures(
             "scene.png" => figures::scene::draw(ground, paper),
             "maps.png" => figures::maps::draw(ground, trial, stages, paper),
             "regions.png" if ground.scene.regions.is_empty() => continue,
+            "movement.png" if trial.moving.is_empty() => continue,
+            "movement.png" => figures::movement::draw(ground, trial, stages, paper),
             "regions.png" => figures::regions::draw(ground, trial, stages, paper),
             _ => figures::timeline::draw(trial, stages, paper),
         };

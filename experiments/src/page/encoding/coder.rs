@@ -37,10 +37,30 @@ impl Model {
     }
 }
 
-/// Writes or reads bits.
+/// Writes or reads bits. Both narrow a range bit by bit; where in it they are is their own.
 pub(super) trait Coder {
+    /// The range that is left.
+    fn range(&mut self) -> &mut u32;
+
+    /// Tells, or takes note, on which side of `bound` the bit is, and moves above it if it is a one.
+    fn side(&mut self, bound: u32, bit: bool) -> bool;
+
+    /// Moves a byte out or in.
+    fn byte(&mut self);
+
     /// The bit that stands here: the one given where it is written, the one found where it is read.
-    fn bit(&mut self, model: &mut Model, bit: bool) -> bool;
+    fn bit(&mut self, model: &mut Model, bit: bool) -> bool {
+        let bound = model.bound(*self.range());
+        let bit = self.side(bound, bit);
+        let range = self.range();
+        *range = if bit { *range - bound } else { bound };
+        model.learn(bit);
+        while *self.range() < SMALL {
+            *self.range() <<= 8;
+            self.byte();
+        }
+        bit
+    }
 }
 
 /// Writes.
@@ -60,11 +80,22 @@ impl Encoder {
 
     /// Everything that was written.
     pub(super) fn finish(mut self) -> Vec<u8> {
-        (0..5).for_each(|_| self.shift());
+        (0..5).for_each(|_| self.byte());
         self.bytes
     }
+}
 
-    fn shift(&mut self) {
+impl Coder for Encoder {
+    fn range(&mut self) -> &mut u32 {
+        &mut self.range
+    }
+
+    fn side(&mut self, bound: u32, bit: bool) -> bool {
+        self.low += if bit { u64::from(bound) } else { 0 };
+        bit
+    }
+
+    fn byte(&mut self) {
         if self.low < 0xff00_0000 || self.low > u64::from(u32::MAX) {
             let carry = (self.low >> 32) as u8;
             let mut byte = self.cache;
@@ -80,24 +111,6 @@ impl Encoder {
     }
 }
 
-impl Coder for Encoder {
-    fn bit(&mut self, model: &mut Model, bit: bool) -> bool {
-        let bound = model.bound(self.range);
-        if bit {
-            self.low += u64::from(bound);
-            self.range -= bound;
-        } else {
-            self.range = bound;
-        }
-        model.learn(bit);
-        while self.range < SMALL {
-            self.range <<= 8;
-            self.shift();
-        }
-        bit
-    }
-}
-
 /// Reads; past the end it reads zeros.
 pub(super) struct Decoder<'a> {
     code: u32,
@@ -108,31 +121,24 @@ pub(super) struct Decoder<'a> {
 impl<'a> Decoder<'a> {
     pub(super) fn new(bytes: &'a [u8]) -> Self {
         let mut decoder = Self { code: 0, range: u32::MAX, bytes: bytes.iter() };
-        (0..5).for_each(|_| decoder.take());
+        (0..5).for_each(|_| decoder.byte());
         decoder
-    }
-
-    fn take(&mut self) {
-        self.code = self.code << 8 | u32::from(self.bytes.next().copied().unwrap_or(0));
     }
 }
 
 impl Coder for Decoder<'_> {
-    fn bit(&mut self, model: &mut Model, _: bool) -> bool {
-        let bound = model.bound(self.range);
+    fn range(&mut self) -> &mut u32 {
+        &mut self.range
+    }
+
+    fn side(&mut self, bound: u32, _: bool) -> bool {
         let bit = self.code >= bound;
-        if bit {
-            self.code -= bound;
-            self.range -= bound;
-        } else {
-            self.range = bound;
-        }
-        model.learn(bit);
-        while self.range < SMALL {
-            self.range <<= 8;
-            self.take();
-        }
+        self.code -= if bit { bound } else { 0 };
         bit
+    }
+
+    fn byte(&mut self) {
+        self.code = self.code << 8 | u32::from(self.bytes.next().copied().unwrap_or(0));
     }
 }
 

@@ -8,7 +8,7 @@ use serde::Deserialize;
 
 use super::coder::Decoder;
 use super::number::{Numbers, Series};
-use super::{BASE64_STANDARD, Shape, film, of_level};
+use super::{BASE64_STANDARD, MOVING, Shape, film, of_level};
 use crate::worlds::film::PARTS;
 use crate::worlds::levels::{FINE, levels};
 use base64::Engine as _;
@@ -27,6 +27,8 @@ pub struct DecodedWorld {
     pub stages: Vec<(String, usize)>,
     /// The part of every cell at every moment.
     pub parts: Vec<Raster<Option<Region>>>,
+    /// The regions of a world that moves at every moment, bit k for the k-th of [`score::MovingRegion::ALL`]; else nothing.
+    pub moving: Vec<Raster<u8>>,
     /// The regions that the scene names.
     pub regions: Vec<(String, Raster<bool>)>,
     /// Readings, scan after scan, px or m.
@@ -75,6 +77,8 @@ struct World {
     truth: Option<String>,
     #[serde(default)]
     truths: Option<String>,
+    #[serde(default)]
+    moving: Option<String>,
     parts: String,
     mappers: Vec<Mapper>,
 }
@@ -136,6 +140,10 @@ impl World {
             let films = film::unpacked(&bytes(text)?, self.moments.len(), self.shape(3, 0));
             Some(films.into_iter().map(|cells| Raster::new(spec, cells.iter().map(known).collect())).collect())
         })?;
+        let moving = self.moving.as_ref().map_or(Some(Vec::new()), |text| {
+            let films = film::unpacked(&bytes(text)?, self.moments.len(), self.shape(MOVING, 0));
+            Some(films.into_iter().map(|cells| Raster::new(spec, cells)).collect())
+        })?;
         let part = |code: &u8| usize::from(*code).checked_sub(1).map(|place| PARTS[place]);
         let parts = film::unpacked(
             &bytes(&self.parts)?,
@@ -147,6 +155,7 @@ impl World {
             name: self.name.clone(),
             truth: self.truth.as_ref().map(truth).map_or(Some(None), |truth| Some(Some(truth?)))?,
             truths,
+            moving,
             moments: self.moments.clone(),
             stages: self.stages.iter().map(|stage| (stage.name.clone(), stage.moment)).collect(),
             parts: parts.into_iter().map(|cells| Raster::new(spec, cells.iter().map(part).collect())).collect(),
