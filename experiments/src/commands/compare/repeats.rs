@@ -260,7 +260,11 @@ mod tests {
     fn drive(count: usize) -> Vec<SimulatedScan> {
         let scan = |k: usize| {
             let pose = Pose { x_m: k as f64, ..Pose::default() };
-            SimulatedScan { scan: Scan { time_s: k as f64, pose, ..Scan::default() }, true_ranges_m: Vec::new() }
+            SimulatedScan {
+                scan: Scan { time_s: k as f64, pose, ..Scan::default() },
+                true_ranges_m: Vec::new(),
+                odometry: None,
+            }
         };
         (0..count).map(scan).collect()
     }
