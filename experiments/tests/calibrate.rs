@@ -144,6 +144,106 @@ fn what_is_advised_is_identified_and_can_be_pasted() {
     assert!(folder.path().join("r/run.json").exists());
 }
 
+/// A camera that stands for a while at every stop, where its pose jitters, and then drives on or turns: false matches come again where it stands alone.
+const STANDING: &str = r#"
+name = "standing"
+[bounds]
+min = [0.0, 0.0]
+max = [5.0, 4.0]
+[grid]
+cell = 0.1
+[[wall]]
+from = [0.05, 0.05]
+to = [4.95, 0.05]
+thickness = 0.1
+[[wall]]
+from = [4.95, 0.05]
+to = [4.95, 3.95]
+thickness = 0.1
+[[wall]]
+from = [4.95, 3.95]
+to = [0.05, 3.95]
+thickness = 0.1
+[[wall]]
+from = [0.05, 3.95]
+to = [0.05, 0.05]
+thickness = 0.1
+[waypoints]
+A = [1.0, 1.0]
+B = [4.0, 1.0]
+C = [4.0, 3.0]
+D = [1.0, 3.0]
+[route]
+stops = ["A", { at = "B", wait_s = 10.0 }, { at = "C", wait_s = 10.0 }, { at = "D", wait_s = 10.0 }, "A"]
+[[stage]]
+name = "end"
+after = ["A", "B", "C", "D", "A"]
+[camera]
+columns = 110
+field_of_view_deg = 90.0
+[sensor]
+focal_baseline = 15.0
+disparity_sigma = 0.5
+correct_match = 0.8
+max_disparity = 60.0
+[robot]
+radius = 0.2
+speed = 0.5
+turn_rate_deg = 45.0
+scan_interval = 0.2
+jitter_m = 0.002
+jitter_deg = 0.1
+"#;
+
+#[test]
+fn lengths_of_views_lie_between_the_jitter_of_a_stand_and_the_steps_of_a_drive() {
+    let folder = TempDir::new().expect("temporary folder");
+    fs::write(folder.path().join("standing.toml"), STANDING).expect("writable");
+    let mut room = Command::cargo_bin("experiments").expect("built");
+    let arguments = ["room", "--scene", "standing.toml", "--mappers", "prior", "--out", "r"];
+    checked(0, &arguments, &room.current_dir(folder.path()).args(arguments).output().expect("starts"));
+    let of_camera =
+        ["r/scans.csv", "--focal-baseline", "15", "--max-disparity", "60", "--grid", "0.1", "--beams", "55"];
+    let (text, _) = checked(0, &of_camera, &calibrate(folder.path(), &of_camera));
+    assert!(text.contains("come again from the same view"), "{text}");
+    let found_all = found(folder.path(), &of_camera);
+    // Steps are of 0.1 m and 9 degrees; two poses of a stand are 2.5 mm and 0.1 degrees apart in the middle.
+    for (name, range) in [("repeat_distance", 0.002..0.09), ("repeat_angle", 0.1..8.0)] {
+        let row = found_all(name);
+        assert!(row["identified"] == true && range.contains(&number(&row, "value")), "{row}");
+    }
+    let advice = text.lines().last().expect("a last line");
+    assert!(
+        advice.contains("--repeat-distance ") && advice.contains("--mappers visibility,visibility-dynamic"),
+        "{advice}"
+    );
+    // What `replay` does with it, it says, and does.
+    let mapped = |more: &[&str]| {
+        let arguments =
+            [&["replay", "r/scans.csv", "--mappers", "visibility-dynamic", "--grid", "0.1", "--out", "m"], more]
+                .concat();
+        let mut replay = Command::cargo_bin("experiments").expect("built");
+        let (_, err) =
+            checked(0, &arguments, &replay.current_dir(folder.path()).args(&arguments).output().expect("starts"));
+        (fs::read(folder.path().join("m/visibility-dynamic.npy")).expect("a map"), err)
+    };
+    let (usual, nothing) = (mapped(&[]).0, mapped(&["--repeat-distance", "1e-9", "--repeat-angle", "1e-9"]).0);
+    assert!(usual != nothing, "views of no length leave nothing out");
+    assert!(mapped(&["--repeat-distance", "0.03", "--repeat-angle", "0.8594"]).0 == usual);
+    let record = fs::read_to_string(folder.path().join("m/run.json")).expect("text");
+    assert!(!record.contains("repeat_distance_m"), "as usual: {record}");
+    let (_, err) = mapped(&["--repeat-angle", "2"]);
+    assert!(!err.contains("no effect"), "{err}");
+    let arguments =
+        ["replay", "r/scans.csv", "--mappers", "visibility", "--grid", "0.1", "--repeat-angle", "2", "--out", "n"];
+    let mut replay = Command::cargo_bin("experiments").expect("built");
+    let (_, err) = checked(0, &arguments, &replay.current_dir(folder.path()).args(arguments).output().expect("starts"));
+    assert!(
+        err.contains("--repeat-angle: has no effect on these mappers, of which none is visibility-dynamic"),
+        "{err}"
+    );
+}
+
 /// The sensor of a scene, in the place of the one that is there.
 #[test]
 fn what_is_advised_of_a_matcher_is_a_line_of_a_scene() {

@@ -5,3 +5,4 @@ pub(crate) mod lateral;
 pub(crate) mod prior;
 pub(crate) mod probability;
 pub(crate) mod renewal;
+pub(crate) mod repeats;

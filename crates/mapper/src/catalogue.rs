@@ -17,7 +17,7 @@ use crate::rules::log_odds::{ConstantIncrements, LogOdds};
 use crate::rules::mrf::{Field, Mrf};
 use crate::rules::no_occlusion::NoOcclusion;
 use crate::rules::range_cut::{ConventionalCut, RangeCut};
-use crate::rules::repeats::{OnlyNews, Repeats};
+use crate::rules::repeats::OnlyNews;
 use crate::rules::signed_distance::{SignedDistance, SignedDistances};
 use crate::rules::unseen::Unseen;
 use crate::rules::visibility::Visibility;
@@ -86,7 +86,7 @@ pub const MAPPERS: &[Entry] = &[
         kind: Kind::Online,
         build: &|model| {
             let mapper = FastVisibility::dynamic(model, Renewal::CHOSEN);
-            Box::new(OnlyNews::new(Box::new(mapper), model, Repeats::CHOSEN))
+            Box::new(OnlyNews::new(Box::new(mapper), model, model.repeats))
         },
     },
     Entry {

@@ -6,6 +6,7 @@ use grid::GridSpec;
 use sensor::{Scan, SensorModel};
 
 use crate::belief::prior::Prior;
+use crate::belief::repeats::Repeats;
 use crate::pairs::reconcile::Reconciliation;
 use crate::tuning::Tuning;
 
@@ -22,6 +23,8 @@ pub struct Model {
     pub reconciliation: Reconciliation,
     /// Parameters of the rules that are not as published or fitted.
     pub tuning: Tuning,
+    /// When `visibility-dynamic` takes a reading for a repetition: `calibrate` fits its lengths.
+    pub repeats: Repeats,
     /// Readings beyond this, of a camera its depth, are thrown away before any rule sees them, m; infinite where all are used. What a rule does about far readings
     /// of its own comes after that.
     pub max_range_m: f64,
@@ -36,6 +39,7 @@ impl Model {
             prior: Prior::default(),
             reconciliation: Reconciliation::default(),
             tuning: Tuning::default(),
+            repeats: Repeats::CHOSEN,
             max_range_m: f64::INFINITY,
         }
     }

@@ -9,6 +9,7 @@ pub mod noise;
 mod options;
 mod outputs;
 pub mod search;
+mod views;
 
 pub use options::CalibrateOptions;
 

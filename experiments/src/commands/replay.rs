@@ -77,6 +77,7 @@ pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
     let setup = Model {
         prior: options.prior.prior(),
         reconciliation: options.prior.reconciliation(),
+        repeats: options.repeats(),
         max_range_m: options.map_range.unwrap_or(f64::INFINITY),
         ..Model::new(grid, sensor)
     };

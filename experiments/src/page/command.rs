@@ -126,6 +126,8 @@ fn replay() -> Vec<Typed> {
         ("/configuration/window_s", "--window", Value::Null),
         ("/configuration/least_move_m", "--least-move", Value::Null),
         ("/configuration/least_turn_deg", "--least-turn", Value::Null),
+        ("/configuration/repeat_distance_m", "--repeat-distance", Value::Null),
+        ("/configuration/repeat_angle_deg", "--repeat-angle", Value::Null),
         ("/configuration/map_range_m", "--map-range", Value::Null),
         ("/configuration/fan/fov_deg", "--fov", Value::Null),
         ("/configuration/fan/first_bearing_deg", "--first-bearing", Value::Null),

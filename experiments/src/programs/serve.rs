@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use grid::GridSpec;
 use mapper::catalogue::Entry;
-use mapper::{Mapper, Model, Prior, Reconciliation, Sensors, Tuning};
+use mapper::{Mapper, Model, Prior, Reconciliation, Repeats, Sensors, Tuning};
 use sensor::{Laser, Pose, Scan, SensorModel, Stereo};
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -133,6 +133,7 @@ fn model(message: &Value) -> Result<Model, String> {
         reconciliation: Reconciliation::default(),
         max_range_m: f64::INFINITY, // readings beyond a cut are not sent
         tuning: Tuning::default(),
+        repeats: Repeats::CHOSEN,
     })
 }
 

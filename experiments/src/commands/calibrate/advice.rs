@@ -18,6 +18,10 @@ pub(super) fn replay(sensor: Sensor, options: &CalibrateOptions, fit: &Fit) -> O
         add(found.parameter.name, outputs::short(found.value));
         any = true;
     }
+    // What one mapper alone takes goes with that mapper.
+    if identified(sensor, fit).iter().any(|found| found.parameter.name.starts_with("repeat_")) {
+        add("mappers", "visibility,visibility-dynamic".to_owned());
+    }
     match sensor {
         Sensor::Laser { max_range_m, .. } => add("max-range", max_range_m.to_string()),
         Sensor::Stereo => {

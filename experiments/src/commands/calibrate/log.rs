@@ -13,7 +13,7 @@ use super::noise::{self, Instrument, Noise};
 use super::options::CalibrateOptions;
 use super::outputs;
 use super::search::{self, Fit, Found, Losses, Parameter, Scale};
-use super::{advice, agreement};
+use super::{advice, agreement, views};
 use crate::failure::Failure;
 use crate::jobs::progress::Count;
 use crate::worlds::agreement::Spread;
@@ -61,6 +61,12 @@ pub(super) fn calibrate(options: &CalibrateOptions) -> Result<Calibration, Failu
     if let Some(noise) = &noise {
         fit.found.insert(0, found(&parameters[0], noise));
     }
+    let sigma = fit.found[0].value;
+    let surfaces = noise::Surfaces::of(&scans, instrument(sensor, options), sigma);
+    let (lengths, of_views) = views::of(&runs(options)?, &surfaces, sigma);
+    let mut notes = notes(&fit, noise.as_ref(), options.grid);
+    notes.push(of_views);
+    fit.found.extend(lengths);
     let about = format!("{} scans of {kind} in {}, {} readings", scans.len(), outputs::name(&options.file), readings);
     let advice = advice::replay(sensor, options, &fit);
     Ok(Calibration {
@@ -68,31 +74,57 @@ pub(super) fn calibrate(options: &CalibrateOptions) -> Result<Calibration, Failu
         measure: "probability of every second scan by the map that visibility makes of the others",
         readings,
         picture: None,
-        notes: notes(&fit, noise.as_ref(), options.grid),
+        notes,
         advice,
         fit,
     })
 }
 
-/// The scans that are fitted, with all of their beams, and what took them.
-fn read(options: &CalibrateOptions) -> Result<(Vec<Scan>, Sensor), Failure> {
-    let refused = |error: logs::LogError| Failure::BadInput(error.to_string());
+fn refused(error: logs::LogError) -> Failure {
+    Failure::BadInput(error.to_string())
+}
+
+/// The log from its first scan on.
+fn opened(options: &CalibrateOptions) -> Result<Log<'static>, Failure> {
     let reading = logs::Options {
         max_range_m: options.max_range,
         max_disparity_px: Some(options.max_disparity.unwrap_or(Stereo::default().max_disparity)),
         fan: options.fan.fan(),
         ..logs::Options::default()
     };
-    let open = || Log::open(&options.file, &reading).map_err(refused);
+    Log::open(&options.file, &reading).map_err(refused)
+}
+
+/// Runs of scans that follow each other, spread evenly over the log: all of it, where it is short.
+fn runs(options: &CalibrateOptions) -> Result<Vec<Vec<Scan>>, Failure> {
     let mut all = 0;
-    for scan in open()? {
+    for scan in opened(options)? {
+        scan.map_err(refused)?;
+        all += 1;
+    }
+    let count = (all / views::RUN).clamp(1, views::RUNS);
+    let mut runs = vec![Vec::new(); count];
+    for (number, scan) in opened(options)?.enumerate() {
+        let run = (number * count / all).min(count - 1);
+        // The first of those that fall to it.
+        if number - (run * all).div_ceil(count) < views::RUN {
+            runs[run].push(thinned(&scan.map_err(refused)?, options.beams as usize));
+        }
+    }
+    Ok(runs)
+}
+
+/// The scans that are fitted, with all of their beams, and what took them.
+fn read(options: &CalibrateOptions) -> Result<(Vec<Scan>, Sensor), Failure> {
+    let mut all = 0;
+    for scan in opened(options)? {
         scan.map_err(refused)?;
         all += 1;
     }
     let most = u64::from(options.scans).min(all);
     // The last of every so many, also where that is no whole number.
     let takes = |number: u64| (number + 1) * most / all > number * most / all;
-    let mut log = open()?;
+    let mut log = opened(options)?;
     let mut scans = Vec::new();
     for (number, scan) in (0u64..).zip(&mut log) {
         let scan = scan.map_err(refused)?;

@@ -121,6 +121,36 @@ pub fn differences(scans: &[Scan], instrument: Instrument, sigma: f64) -> Vec<Ve
         .collect()
 }
 
+/// Straight pieces of what scans have seen, and readings held against them.
+pub struct Surfaces {
+    pieces: Vec<Piece>,
+    instrument: Instrument,
+    sigma: f64,
+}
+
+impl Surfaces {
+    /// The pieces of these scans, whose readings scatter by sigma.
+    pub fn of(scans: &[Scan], instrument: Instrument, sigma: f64) -> Self {
+        Self { pieces: piece::pieces(&points(scans.iter(), instrument, sigma)), instrument, sigma }
+    }
+
+    /// Whether a reading is of none of the pieces that its ray crosses; none where it crosses none whose reading is known well, and of no reading.
+    pub fn is_astray(&self, ray: &Ray) -> Option<bool> {
+        let reading = ray.reading.filter(|reading| reading.is_finite() && *reading > 0.0)?;
+        let mut is_astray = None;
+        for crossing in self.pieces.iter().filter_map(|piece| piece.crossing(ray, SLANT)) {
+            let (expected, slope) = self.instrument.reading(crossing.range_m, ray.bearing_rad);
+            if (reading - expected).abs() <= WINDOW * self.sigma {
+                return Some(false);
+            }
+            if self.sigma / slope <= PREDICTED_M {
+                is_astray = Some(true);
+            }
+        }
+        is_astray
+    }
+}
+
 fn points<'a>(scans: impl Iterator<Item = &'a Scan>, instrument: Instrument, sigma: f64) -> Vec<Point> {
     let point = |ray: Ray| {
         let (range_m, slope) = instrument.range(&ray)?;

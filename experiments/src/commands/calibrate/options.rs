@@ -65,5 +65,7 @@ Of a log, sigma is that of readings about straight pieces of surface, which are 
 maps: the mapper `visibility` maps every second scan and predicts the others, and what is maximised is the likelihood of their readings over hit \
 (correct match), no echo, early returns, the prior, and the correlation of cells 5 cm apart. Where too few readings lie on straight surfaces, \
 sigma is by maps too, is too small, and a note says so. \
+The lengths over which views share their errors (--repeat-distance and --repeat-angle of `replay`) are those over which readings of no \
+straight piece of surface come again by the same beam: a log can tell them where the robot has stood, or crept, and moved on. \
 Intervals hold the values whose likelihood is not lower for sure (95 %), all else as found, by a bootstrap of blocks of neighbouring \
 scans or rows. A parameter that the readings do not pin down is named, and is not advised. The last line can be pasted as it stands.";

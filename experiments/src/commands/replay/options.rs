@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
 use logs::{Report, Sensor};
+use mapper::Repeats;
 use sensor::{Laser, SensorModel, Stereo};
 
 use crate::failure::Failure;
@@ -26,6 +27,12 @@ const MAPPERS: &str = "visibility,conventional,log-odds-octomap,log-odds-cartogr
 
 /// Share of damaged lines above which a log is refused.
 pub(super) const DAMAGED_SHARE: f64 = 0.05;
+
+/// Angle over which views share their errors, degrees, where none is given: 0.015 rad in four digits.
+pub(super) const REPEAT_DEG: f64 = 0.8594;
+
+/// The mapper to which what repeats is no news.
+const HEEDFUL: &str = "visibility-dynamic";
 
 /// Options of `replay`.
 #[derive(Debug, Args)]
@@ -97,6 +104,12 @@ pub struct ReplayOptions {
     /// What the mappers know of a stereo camera
     #[command(flatten)]
     pub stereo: StereoOptions,
+    /// Views up to so far apart share their false readings, m: what repeats is no news to `visibility-dynamic`
+    #[arg(long, value_name = "M", default_value_t = Repeats::CHOSEN.distance_m, allow_negative_numbers = true, value_parser = positive)]
+    pub repeat_distance: f64,
+    /// As --repeat-distance, for turns, degrees
+    #[arg(long, value_name = "DEG", default_value_t = REPEAT_DEG, allow_negative_numbers = true, value_parser = positive)]
+    pub repeat_angle: f64,
     /// Folder for tables, maps, pictures and report, written whole or not at all [default: results/replay- and the log's name]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -214,6 +227,17 @@ impl ReplayOptions {
         if self.trajectory.is_none() && report.sensors.values().all(|sensor| !sensor.name.starts_with("RAWLASER")) {
             self.given.warn(&["max_gap"], place, "a log that has poses of its own");
         }
+        if !self.mappers.iter().any(|mapper| mapper == HEEDFUL) {
+            let among = format!("of which none is {HEEDFUL}");
+            self.given.warn(&["repeat_distance", "repeat_angle"], "these mappers", &among);
+        }
+    }
+
+    /// When readings repeat.
+    pub(super) fn repeats(&self) -> Repeats {
+        let is_usual = self.repeat_angle.total_cmp(&REPEAT_DEG).is_eq();
+        let angle_rad = if is_usual { Repeats::CHOSEN.angle_rad } else { self.repeat_angle.to_radians() };
+        Repeats { distance_m: self.repeat_distance, angle_rad, ..Repeats::CHOSEN }
     }
 
     /// What the mappers know of the sensor that took the log.

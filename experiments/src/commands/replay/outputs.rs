@@ -6,7 +6,7 @@ use std::io::Write as _;
 use grid::Raster;
 use logs::{Report, Sensor};
 use mapper::catalogue::Entry;
-use mapper::{Belief, Model};
+use mapper::{Belief, Model, Repeats};
 use score::{Better, SeriesMean};
 use serde_json::{Value, json};
 
@@ -14,7 +14,7 @@ use super::along_time;
 use super::extent::Survey;
 use super::figure;
 use super::mapping::Maps;
-use super::options::{Body, DAMAGED_SHARE, LaserOptions, ReplayOptions, StereoOptions};
+use super::options::{Body, DAMAGED_SHARE, LaserOptions, REPEAT_DEG, ReplayOptions, StereoOptions};
 use super::predictions::{Prediction, Predictions};
 use super::recording::Recording;
 use super::viewed;
@@ -221,6 +221,15 @@ fn configuration(told: &Told) -> Value {
     let rare = [
         ("body", (options.body == Body::Robot).then(|| json!("robot"))),
         ("given_max_range_m", options.max_range.map(|max_range_m| json!(max_range_m))),
+        (
+            "repeat_distance_m",
+            (options.repeat_distance.total_cmp(&Repeats::CHOSEN.distance_m).is_ne())
+                .then(|| json!(options.repeat_distance)),
+        ),
+        (
+            "repeat_angle_deg",
+            (options.repeat_angle.total_cmp(&REPEAT_DEG).is_ne()).then(|| json!(options.repeat_angle)),
+        ),
         ("given_reach_m", options.reach.map(|reach_m| json!(reach_m))),
         (
             "damaged_share",
