@@ -116,7 +116,7 @@ fn gates_judge_maps_under_a_condition_and_aligned() {
     };
     let value = |more: &str| -> f64 {
         let (out, _) = judged(3, &format!("{more}\nat_least = 99.0"));
-        let line = out.lines().find(|line| line.starts_with('g')).unwrap_or_else(|| panic!("{out}"));
+        let line = out.lines().find(|line| line.starts_with("g ")).unwrap_or_else(|| panic!("{out}"));
         line.split_whitespace().nth(1).and_then(|word| word.parse().ok()).unwrap_or_else(|| panic!("{out}"))
     };
     let family = "families = [\"nook.toml\"]\nset = \"robustness\"\n";

@@ -253,12 +253,12 @@ pub const PARAMETERS: [Parameter; 53] = [
     of_map(
         POSE_SIGMA_M,
         number(0.0, 10.0, "a length in m, 0 to 10", "give a standard deviation such as 0.02, 0 for true places"),
-        "how far off the poses are that mappers are told, afresh at every scan: x and y each, m",
+        "poses that mappers are told: sigma of x and y, fresh at every scan, m",
     ),
     of_map(
         POSE_SIGMA_RAD,
         number(0.0, 3.0, "an angle in rad, 0 to 3", "give a standard deviation such as 0.01, 0 for true headings"),
-        "how far off their headings are, afresh at every scan, rad",
+        "the same: sigma of the heading, fresh at every scan, rad",
     ),
     of_map(
         POSE_DRIFT,
@@ -268,7 +268,7 @@ pub const PARAMETERS: [Parameter; 53] = [
             "a factor on the standard noise of odometry, 0 to 100",
             "give 1 for the standard case, 0 for none",
         ),
-        "they drift as odometry does: factor on its standard noise",
+        "the same: drift as odometry has it, in multiples of its standard noise",
     ),
 ];
 
