@@ -1,6 +1,7 @@
 //! What is mapped, and how the maps are judged.
 
 pub(crate) mod agreement;
+pub mod aligned;
 pub mod bins;
 pub mod claims;
 pub mod condition;
@@ -13,6 +14,7 @@ pub mod ground;
 pub mod levels;
 pub mod map_file;
 pub mod mappers;
+pub mod poses;
 pub mod ranked;
 pub mod reading;
 pub mod run;

@@ -242,6 +242,33 @@ fn the_worlds_that_move_of_the_guide_are_those_of_the_committed_comparison() {
     }
 }
 
+/// Wrong poses: means over the worlds of the committed sweep, of maps as they are and aligned.
+#[test]
+fn the_wrong_poses_of_the_guide_are_those_of_the_committed_sweep() {
+    let page = read(&root().join("experiments/guide/poses.md"));
+    let mut sweep = csv::Reader::from_path(root().join("results/sweep-poses/table.csv")).expect("committed");
+    let heads = sweep.headers().expect("heads").clone();
+    let column = |name: &str| heads.iter().position(|head| head == name).expect("a column");
+    let at = ["mapper", "region", "pose_sigma_m", "pose_drift"].map(column);
+    let records: Vec<csv::StringRecord> = sweep.records().map(|row| row.expect("a row")).collect();
+    let errors = [("0.0", "0.0"), ("0.02", "0.0"), ("0.05", "0.0"), ("0.1", "0.0"), ("0.0", "0.5"), ("0.0", "1.0")];
+    for metric in ["log_loss", "retention"] {
+        let rows = table(&page, &format!("| {}: as it is, aligned |", metric.replace('_', " ")));
+        assert_eq!(rows.len(), 10, "{metric}");
+        for row in rows {
+            let mean = |region: &str, (sigma, drift): (&str, &str)| {
+                let asked = [name(&row[0]), region, sigma, drift];
+                let here = records.iter().filter(|record| (0..4).all(|k| &record[at[k]] == asked[k]));
+                let values: Vec<f64> = here.map(|r| r[column(metric)].parse().expect("a number")).collect();
+                assert_eq!(values.len(), 6, "{asked:?}");
+                format!("{:.3}", values.iter().sum::<f64>() / values.len() as f64)
+            };
+            let both = errors.map(|error| format!("{}, {}", mean("observable", error), mean("aligned", error)));
+            assert_eq!(row[1..], both, "{metric} {}", row[0]);
+        }
+    }
+}
+
 /// The cut of the range: means over the seeds of the committed sweep.
 #[test]
 fn the_range_cut_of_the_guide_is_that_of_the_committed_sweep() {

@@ -305,7 +305,7 @@ fn a_world_that_cannot_be_made_is_a_row() {
 }
 
 /// Every parameter with two values that no default is, and the mapper that minds.
-const VALUES: [(&str, [&str; 2], &str); 50] = [
+const VALUES: [(&str, [&str; 2], &str); 53] = [
     ("size_factor", ["0.8", "1.3"], "visibility"),
     ("width", ["2.5", "3.5"], "visibility"),
     ("height", ["2.5", "3.5"], "visibility"),
@@ -356,6 +356,9 @@ const VALUES: [(&str, [&str; 2], &str); 50] = [
     ("coupling", ["0.1", "0.3"], "mrf"),
     ("damping", ["0.0", "0.9"], "mrf"),
     ("sweeps", ["1", "3"], "mrf"),
+    ("pose_sigma_m", ["0.02", "0.1"], "visibility"),
+    ("pose_sigma_rad", ["0.01", "0.1"], "visibility"),
+    ("pose_drift", ["1.0", "3.0"], "visibility"),
 ];
 
 #[test]

@@ -2,6 +2,8 @@
 
 use sensor::{Matcher, Mismatches};
 
+use super::poses::WrongPoses;
+
 /// How the simulated world differs from the one that the mappers assume.
 #[derive(Clone, Copy)]
 pub struct Condition {
@@ -15,6 +17,15 @@ pub struct Condition {
     pub camera: fn(&mut Matcher),
     /// People per 100 m², between two numbers, where those of the family are not meant.
     pub people_per_100_m2: Option<[f64; 2]>,
+    /// How wrong the poses are that all mappers are told.
+    pub poses: WrongPoses,
+}
+
+impl Condition {
+    /// Whether it changes what stands or walks in a world, which only the layouts of families let it.
+    pub fn of_layouts(&self) -> bool {
+        (self.size_factor - 1.0).abs() > 0.0 || self.people_per_100_m2.is_some()
+    }
 }
 
 /// The world as the mappers assume it.
@@ -24,6 +35,7 @@ pub const AS_BELIEVED: Condition = Condition {
     size_factor: 1.0,
     camera: |_| {},
     people_per_100_m2: None,
+    poses: WrongPoses::NONE,
 };
 
 /// The robustness set, unless others are asked for: one thing differs at a time.
@@ -66,9 +78,29 @@ pub const DEPARTURES: [Condition; 7] = [
 pub const PEOPLE: Condition =
     Condition { name: "people", summary: "people walk about", people_per_100_m2: Some([4.0, 8.0]), ..AS_BELIEVED };
 
+/// Poses that are not exact, as the mappers assume them: what is left of an error where scans are matched. A departure that is compared
+/// where it is asked for.
+pub const POSES: Condition = Condition {
+    name: "poses",
+    summary: "poses 2 cm and half a degree off, afresh at every scan",
+    poses: WrongPoses { sigma_m: 0.02, sigma_rad: 0.5 * std::f64::consts::PI / 180.0, drift: 0.0 },
+    ..AS_BELIEVED
+};
+
+/// Poses that nobody corrects. A departure that is compared where it is asked for.
+pub const DRIFT: Condition = Condition {
+    name: "drift",
+    summary: "poses by odometry alone, of the standard noise",
+    poses: WrongPoses { drift: 1.0, ..WrongPoses::NONE },
+    ..AS_BELIEVED
+};
+
+/// The departures that are compared where they are asked for.
+pub const ON_REQUEST: [&Condition; 3] = [&PEOPLE, &POSES, &DRIFT];
+
 /// Every departure that can be asked for.
 pub fn departures() -> impl Iterator<Item = &'static Condition> {
-    DEPARTURES.iter().chain([&PEOPLE])
+    DEPARTURES.iter().chain(ON_REQUEST)
 }
 
 /// The condition of the given name.

@@ -7,6 +7,7 @@ use scene::{Drive, Scene, World};
 use score::navigation::Planning;
 
 use super::drives::DriveOptions;
+use super::poses::WrongPoses;
 use super::yard::Yards;
 use crate::failure::Failure;
 
@@ -24,6 +25,8 @@ pub struct Ground {
     still: Option<Raster<Option<bool>>>,
     /// Occupancy that the mappers expect of an unseen cell: what pictures show as not known.
     pub prior: f64,
+    /// How wrong the poses are that mappers are told.
+    pub poses: WrongPoses,
     /// How drives are planned on the maps ...
     pub planning: Planning,
     /// ... and on which of them.
@@ -54,6 +57,7 @@ impl Ground {
             truth: scene::truth(&scene),
             still: None,
             drive,
+            poses: WrongPoses::NONE,
             planning: DriveOptions::default().planning(scene.robot.radius_m),
             driven: Driven::default(),
             yards: Yards::default(),
@@ -113,6 +117,11 @@ impl Ground {
     pub fn with_drives(self, options: &DriveOptions, driven: Driven) -> Self {
         let planning = options.planning(self.scene.robot.radius_m);
         Self { planning, driven, yards: Yards::default(), ..self }
+    }
+
+    /// Has mappers told poses that are so wrong; all of them are told the same.
+    pub fn with_poses(self, poses: WrongPoses) -> Self {
+        Self { poses, ..self }
     }
 
     /// Has no drives planned: scores take less time.

@@ -7,13 +7,14 @@ use mapper::catalogue::{Entry, Kind};
 use mapper::{Mapper, Model, Sensors};
 use rayon::prelude::*;
 use scene::{SimulatedScan, Simulation};
-use score::{Lag, Metric, MovingRegion, Region, Retention, Scorer, Sightings, log_loss};
+use score::{Alignment, Lag, Metric, MovingRegion, Region, Retention, Scorer, Sightings, log_loss};
 use sensor::{Scan, Stereo};
 use serde::Serialize;
 
 use super::drives;
 use super::film::{self, Frame, Judge};
 use super::ground::{Driven, Ground};
+use super::poses;
 use super::witness::Witness;
 use crate::failure::Failure;
 
@@ -127,7 +128,27 @@ impl Ground {
         keep: &Keep,
         watch: &(impl Fn(usize, Option<&Moment>) + Sync),
     ) -> Result<Trial, Failure> {
-        let simulation = scene::simulate(&self.scene, &self.world, &self.drive, seed);
+        self.trial_moved(seed, mappers, setup, keep, None, watch)
+    }
+
+    /// As [`trial`](Self::trial), with the poses of all scans moved as an alignment moves a map.
+    ///
+    /// # Errors
+    /// As [`trial`](Self::trial).
+    pub fn trial_moved(
+        &self,
+        seed: u64,
+        mappers: &[&Entry],
+        setup: &Model,
+        keep: &Keep,
+        by: Option<&Alignment>,
+        watch: &(impl Fn(usize, Option<&Moment>) + Sync),
+    ) -> Result<Trial, Failure> {
+        let mut simulation = scene::simulate(&self.scene, &self.world, &self.drive, seed);
+        self.poses.mistake(&mut simulation, &self.drive, seed);
+        if let Some(by) = by {
+            poses::moved(&mut simulation, by);
+        }
         let mut witness = Witness::new(self);
         let (mut reached, mut moving) = (Vec::new(), Vec::new());
         let sharp = Model { sensors: Sensors::one(Arc::new(self.sharp())), ..setup.clone() };

@@ -84,7 +84,7 @@ impl Assumptions {
 }
 
 impl Site {
-    /// Builds a scene under a condition, which changes the simulated camera alone.
+    /// Builds a scene under a condition, which changes the simulated camera and what is known of poses.
     ///
     /// # Errors
     /// A route that is blocked.
@@ -94,7 +94,7 @@ impl Site {
         let max_range_m = max_range_m.unwrap_or(f64::INFINITY);
         let setup = Model { prior, reconciliation, tuning, max_range_m, ..Model::new(scene.grid, camera) };
         (condition.camera)(&mut scene.matcher);
-        Ok(Self { ground: Ground::new(scene, prior.occupancy)?, setup })
+        Ok(Self { ground: Ground::new(scene, prior.occupancy)?.with_poses(condition.poses), setup })
     }
 
     /// Builds a world of a family: the layout of its seed, under its condition.

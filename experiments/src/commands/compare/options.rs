@@ -28,7 +28,7 @@ pub struct CompareOptions {
         default_value = FAMILIES
     )]
     pub families: Vec<PathBuf>,
-    /// What differs from what the mappers believe, comma-separated, in the robustness set [default: all but people]
+    /// What differs from what the mappers believe, comma-separated, in the robustness set [default: all but people, poses and drift]
     #[arg(long, value_name = "A,B", value_delimiter = ',', value_parser = PossibleValuesParser::new(departures().map(|condition| condition.name)))]
     pub conditions: Vec<String>,
     /// Worlds of each family under each condition [default: 30 test, 8 robustness, 10 tuning; 4 or 1 with --quick]

@@ -10,7 +10,7 @@ use super::options::{CompareOptions, Worlds};
 use super::world::WorldJob;
 use crate::failure::Failure;
 use crate::programs::options::ProgramRecord;
-use crate::worlds::condition::{AS_BELIEVED, Condition, DEPARTURES, PEOPLE, departures};
+use crate::worlds::condition::{AS_BELIEVED, Condition, DEPARTURES, DRIFT, PEOPLE, POSES, departures};
 use crate::worlds::drives::DriveOptions;
 use crate::worlds::ground::Driven;
 use crate::worlds::mappers::{entries, own};
@@ -160,12 +160,16 @@ impl Plan {
 
     /// What the worlds are for, in a sentence or two.
     pub fn about(&self) -> String {
-        let people = self.conditions.contains(&PEOPLE.name);
-        format!(
-            "{}{}",
-            self.set.about(),
-            if people { " Under the condition people they are not at rest: people walk about." } else { "" }
-        )
+        let notes = [
+            (PEOPLE.name, " Under the condition people they are not at rest: people walk about."),
+            (
+                POSES.name,
+                " Under the condition poses all mappers are told the same wrong poses, off afresh at every scan.",
+            ),
+            (DRIFT.name, " Under the condition drift all mappers are told the same poses, those of odometry."),
+        ];
+        let noted = notes.into_iter().filter(|(name, _)| self.conditions.contains(name));
+        self.set.about().to_owned() + &noted.map(|(_, note)| note).collect::<String>()
     }
 
     /// One line on what is compared.

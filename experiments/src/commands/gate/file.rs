@@ -5,11 +5,11 @@ use std::path::Path;
 
 use mapper::catalogue::Entry;
 use scene::{SceneError, Set};
-use score::{FEWEST_PAIRS, Region};
+use score::{FEWEST_PAIRS, MovingRegion, Region};
 use strict::{Error, Findings, Limit, Table, Value, first, open, read};
 
 use super::source::GateSource;
-use crate::worlds::condition::{AS_BELIEVED, Condition, DEPARTURES};
+use crate::worlds::condition::{AS_BELIEVED, Condition, DEPARTURES, condition, departures};
 use crate::worlds::criteria::{Criterion, criteria, criterion};
 use crate::worlds::scenes::FAMILIES;
 use crate::worlds::scenes::path_of;
@@ -88,7 +88,7 @@ pub struct Gates {
     pub sites: BTreeMap<String, GateSource>,
 }
 
-const KEYS: [&str; 14] = [
+const KEYS: [&str; 15] = [
     "name",
     "mapper",
     "metric",
@@ -96,6 +96,7 @@ const KEYS: [&str; 14] = [
     "families",
     "scene",
     "set",
+    "condition",
     "grid",
     "seeds",
     "at_most",
@@ -241,25 +242,51 @@ fn worlds(
     let sets = ["test", "robustness", "tuning"];
     let set = found.take(one_of(table, "set", &sets, Some("test")));
     let names = places(table, sites, found);
-    let (set, conditions): (Set, &[Condition]) = match set? {
-        "robustness" => (Set::Robustness, &DEPARTURES),
-        "tuning" => (Set::Tuning, &[AS_BELIEVED]),
-        _ => (Set::Test, &[AS_BELIEVED]),
+    let asked = match table.get("condition") {
+        Some(_) => Some(found.take(condition_of(table))?),
+        None => None,
     };
+    let (set, usual): (Set, Vec<&Condition>) = match set? {
+        "robustness" => (Set::Robustness, DEPARTURES.iter().collect()),
+        "tuning" => (Set::Tuning, vec![&AS_BELIEVED]),
+        _ => (Set::Test, vec![&AS_BELIEVED]),
+    };
+    let conditions = asked.map_or(usual, |asked| vec![asked]);
     let (names, count) = (names?, count?.unwrap_or(SEEDS));
     let cell_um = cell_m?.map(|cell_m| (cell_m * MICROMETRES).round() as u32);
     let mut worlds = Vec::new();
     for family in &names {
-        for condition in conditions {
+        for condition in &conditions {
             let world = |seed| WorldId { family: family.clone(), condition: condition.name.to_owned(), cell_um, seed };
             worlds.extend(set.seeds(count).map(world));
         }
     }
     // All of them have the regions by rays; those of worlds that move only if all move.
     let of_all = |region: &&str| names.iter().all(|name| sites[name].regions().contains(region));
-    let regions =
-        names.first().map(|name| sites[name].regions().into_iter().filter(of_all).map(str::to_owned).collect());
-    Some((worlds, regions.unwrap_or_default()))
+    let mut regions: Vec<String> =
+        names.first().map(|name| sites[name].regions().into_iter().filter(of_all).map(str::to_owned).collect())?;
+    if conditions.iter().all(|condition| condition.people_per_100_m2.is_some()) {
+        let moving = MovingRegion::ALL.iter().map(|region| region.name().to_owned());
+        regions.extend(moving.filter(|region| !regions.contains(region)).collect::<Vec<_>>());
+    }
+    Some((worlds, regions))
+}
+
+/// How the world differs from what mappers assume. A scene has its own obstacles and people.
+fn condition_of(table: &Table) -> Result<&'static Condition, Error> {
+    let known: Vec<&str> = [&AS_BELIEVED].into_iter().chain(departures()).map(|condition| condition.name).collect();
+    let name = one_of(table, "condition", &known, None)?;
+    let condition = condition(name).unwrap_or(&AS_BELIEVED); // a name that is known
+    if table.get("scene").is_some() && condition.of_layouts() {
+        let remedy = "name families, or change the scene";
+        return Err(refuse(
+            table,
+            "condition",
+            "one that does not change obstacles or people, which a scene has of its own",
+            remedy,
+        ));
+    }
+    Ok(condition)
 }
 
 /// The names of the scene or families; none where one of them cannot be read.

@@ -11,10 +11,11 @@ use crate::failure::{Failure, panic_text};
 use crate::jobs::engine;
 use crate::jobs::progress::Count;
 use crate::output::table::rounded;
+use crate::worlds::aligned::{self, ALIGNED, aligned};
 use crate::worlds::criteria::criterion;
 use crate::worlds::drives;
 use crate::worlds::ground::Ground;
-use crate::worlds::run::Keep;
+use crate::worlds::run::{Keep, Trial};
 use crate::worlds::site::{Site, WorldId};
 
 /// What a value is of. Its order is that of the baselines.
@@ -129,8 +130,13 @@ fn values(
     wanted: &Wanted,
 ) -> Result<Values, String> {
     let seed = world.seed + (u64::from(stream) << 32);
-    let run = || ground.trial(seed, &[entry], setup, &Keep::default(), &|_, _| {});
-    let trial = match catch_unwind(AssertUnwindSafe(run)) {
+    let run = || -> Result<(Trial, Option<Trial>), Failure> {
+        let trial = ground.trial(seed, &[entry], setup, &Keep::default(), &|_, _| {})?;
+        let asked = trial.fault(0).is_none() && wanted.iter().any(|(_, region)| region == ALIGNED);
+        let moved = if asked { Some(aligned(ground, (&trial, 0), entry, setup)?.0) } else { None };
+        Ok((trial, moved))
+    };
+    let (trial, moved) = match catch_unwind(AssertUnwindSafe(run)) {
         Ok(result) => result.map_err(|failure| failure.to_string())?,
         Err(panic) => {
             return Err(format!("it panicked: {}", panic_text(&*panic).unwrap_or("no message")));
@@ -141,7 +147,11 @@ fn values(
     }
     let last = trial.runs.first().map_or(0, |run| run.stages.len().saturating_sub(1));
     let value = |(metric, region): &(String, String)| {
-        let value = trial.metric(entry.name, last, region, metric).and_then(|metric| metric.value);
+        let scored = match region.as_str() {
+            ALIGNED => moved.as_ref().and_then(|moved| moved.metric(entry.name, last, aligned::REGION.name(), metric)),
+            region => trial.metric(entry.name, last, region, metric),
+        };
+        let value = scored.and_then(|metric| metric.value);
         let key = ValueKey {
             mapper: entry.name.to_owned(),
             metric: metric.clone(),

@@ -3,11 +3,13 @@
 use serde_json::{Value, json};
 
 use super::file::{BOUND, DEMANDS, GRID, MARGIN, MOST_SEEDS};
+use crate::worlds::condition::{AS_BELIEVED, departures};
 use crate::worlds::criteria::criteria;
 use crate::worlds::schema::{file, list, name, number, table, text, whole, word};
 
 /// The schema of files of gates. Mappers may be programs of one's own, so that any name will do.
 pub fn schema() -> Value {
+    let conditions = || [&AS_BELIEVED].into_iter().chain(departures()).map(|condition| condition.name);
     let families = list("Families of generated scenes", text("A file, or a name"), 1);
     let keys = [
         ("name", name("Name of the gate", 32)),
@@ -17,6 +19,7 @@ pub fn schema() -> Value {
         ("families", families),
         ("scene", text("A scene, in place of families")),
         ("set", word("Which layouts", ["test", "robustness", "tuning"])),
+        ("condition", word("How the world differs from what mappers assume", conditions())),
         ("grid", number("Side of a cell", &GRID)),
         ("seeds", whole("Worlds of each family, or readings of a scene", &MOST_SEEDS)),
         ("at_most", number("The mean is at most this", &BOUND)),

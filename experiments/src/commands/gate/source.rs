@@ -6,6 +6,7 @@ use scene::{Family, Scene, SceneError};
 use score::{MovingRegion, Region};
 
 use crate::failure::Failure;
+use crate::worlds::aligned::ALIGNED;
 use crate::worlds::site::{Assumptions, Site, WorldId};
 
 /// A scene file, or a file of a family of scenes.
@@ -52,7 +53,13 @@ impl GateSource {
             Content::Scene { regions, .. } => regions,
         };
         let moving = MovingRegion::ALL.iter().map(|region| region.name()).filter(|_| self.moves());
-        Region::ALL.iter().map(|region| region.name()).chain(own.iter().map(String::as_str)).chain(moving).collect()
+        Region::ALL
+            .iter()
+            .map(|region| region.name())
+            .chain(own.iter().map(String::as_str))
+            .chain([ALIGNED])
+            .chain(moving)
+            .collect()
     }
 
     /// Whether anything moves in it but the robot.

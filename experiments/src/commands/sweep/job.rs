@@ -4,20 +4,21 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use mapper::catalogue::{Entry, find};
-use mapper::{CorrelationLaw, Prior, Reconciliation, Tuning, estimate};
+use mapper::{CorrelationLaw, Model, Prior, Reconciliation, Tuning, estimate};
 use sensor::Stereo;
 use serde::{Deserialize, Serialize};
 
-use super::parameters::{Parameter, Settings, number_of, parameter, word_of};
+use super::parameters::{Parameter, Settings, number_of, parameter, word_of, wrong_poses};
 use super::row::{SweepRow, rows};
 use super::source::{SourceFile, SourceText};
 use crate::failure::{Failure, panic_text};
 use crate::output::digest;
 use crate::programs::options::ProgramRecord;
+use crate::worlds::aligned::{ALIGNED, aligned};
 use crate::worlds::condition::AS_BELIEVED;
 use crate::worlds::drives;
 use crate::worlds::ground::Ground;
-use crate::worlds::run::Keep;
+use crate::worlds::run::{Keep, Trial};
 use crate::worlds::site::{Assumptions, Site};
 
 /// A job.
@@ -100,7 +101,7 @@ impl Job {
         if !self.regions.iter().any(|region| region == drives::REGION.name()) {
             ground = ground.without_drives();
         }
-        let ground = self.thinned(ground);
+        let ground = self.thinned(ground).with_poses(wrong_poses(&self.settings));
         let unknown = |name: &str| Failure::BadInput(format!("there is no mapper {name:?}"));
         let program = |name: &str| self.programs.iter().find(|program| program.name == name);
         let entry = |name: &String| match (find(name), program(name)) {
@@ -110,7 +111,26 @@ impl Job {
         };
         let mappers: Vec<&Entry> = names.iter().map(entry).collect::<Result<_, _>>()?;
         let trial = ground.trial(self.readings_seed(), &mappers, &setup, &Keep::default(), &|_, _| {})?;
-        rows(self, &ground, &trial)
+        let aligned = self.aligned(&ground, &trial, &mappers, &setup)?;
+        rows(self, &ground, &trial, &aligned)
+    }
+
+    /// The trials of the mappers from poses that their alignments move, where that is asked for; none of one that gave no map.
+    fn aligned(
+        &self,
+        ground: &Ground,
+        trial: &Trial,
+        mappers: &[&Entry],
+        setup: &Model,
+    ) -> Result<Vec<Option<Trial>>, Failure> {
+        if !self.regions.iter().any(|region| region == ALIGNED) {
+            return Ok(Vec::new());
+        }
+        let again = |(run, entry): (usize, &&Entry)| match trial.fault(run) {
+            Some(_) => Ok(None),
+            None => Ok(Some(aligned(ground, (trial, run), entry, setup)?.0)),
+        };
+        mappers.iter().enumerate().map(again).collect()
     }
 
     /// The world, and what the mappers assume of it: the camera that is simulated, unless a setting names another.

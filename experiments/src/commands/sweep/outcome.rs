@@ -18,7 +18,8 @@ use crate::output::single::{self, Existing};
 
 /// What a sweep of these mappers means to do with its folder.
 pub(super) fn purpose(mappers: &[String], paper: &Paper) -> Purpose {
-    let pictures: Vec<String> = mappers.iter().flat_map(|mapper| plots::names(mapper)).collect();
+    let pictures: Vec<String> =
+        mappers.iter().flat_map(|mapper| plots::names(mapper)).chain([plots::name_of_all()]).collect();
     let pictures = paper.files(&pictures.iter().map(String::as_str).collect::<Vec<_>>());
     Purpose::new("sweep", &[] as &[&Path], [TABLE.to_owned()].into_iter().chain(pictures))
 }

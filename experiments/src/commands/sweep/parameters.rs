@@ -6,6 +6,8 @@ use scene::reader::{CLUSTERING, Given, Override, limits};
 use serde::{Deserialize, Serialize};
 use strict::Limit;
 
+use crate::worlds::poses::WrongPoses;
+
 /// A parameter.
 pub struct Parameter {
     /// Its key in a sweep file, and its column in the table.
@@ -78,7 +80,7 @@ const fn of_map(key: &'static str, kind: ParameterKind, about: &'static str) -> 
 }
 
 /// All parameters, in the order of the columns of a table.
-pub const PARAMETERS: [Parameter; 50] = [
+pub const PARAMETERS: [Parameter; 53] = [
     Parameter {
         key: "size_factor",
         kind: number(0.1, 10.0, "a factor on the size of obstacles, 0.1 to 10", "give a factor such as 2"),
@@ -248,7 +250,37 @@ pub const PARAMETERS: [Parameter; 50] = [
         "of mrf: share of a message that is kept from the sweep before",
     ),
     of_map("sweeps", whole(1.0, 1e4, "a whole number from 1 to 10000", "give one such as 40"), "of mrf: most sweeps"),
+    of_map(
+        POSE_SIGMA_M,
+        number(0.0, 10.0, "a length in m, 0 to 10", "give a standard deviation such as 0.02, 0 for true places"),
+        "poses that mappers are told: sigma of x and y, fresh at every scan, m",
+    ),
+    of_map(
+        POSE_SIGMA_RAD,
+        number(0.0, 3.0, "an angle in rad, 0 to 3", "give a standard deviation such as 0.01, 0 for true headings"),
+        "the same: sigma of the heading, fresh at every scan, rad",
+    ),
+    of_map(
+        POSE_DRIFT,
+        number(
+            0.0,
+            100.0,
+            "a factor on the standard noise of odometry, 0 to 100",
+            "give 1 for the standard case, 0 for none",
+        ),
+        "the same: drift as odometry has it, in multiples of its standard noise",
+    ),
 ];
+
+const POSE_SIGMA_M: &str = "pose_sigma_m";
+const POSE_SIGMA_RAD: &str = "pose_sigma_rad";
+const POSE_DRIFT: &str = "pose_drift";
+
+/// How wrong the poses are that mappers are told.
+pub fn wrong_poses(settings: &Settings) -> WrongPoses {
+    let number = |key| number_of(settings, key).unwrap_or(0.0);
+    WrongPoses { sigma_m: number(POSE_SIGMA_M), sigma_rad: number(POSE_SIGMA_RAD), drift: number(POSE_DRIFT) }
+}
 
 const MISMATCHES: &str = "mismatches";
 const INDEPENDENT: &str = "independent";

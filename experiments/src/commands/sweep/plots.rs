@@ -1,6 +1,8 @@
 //! Pictures of a sweep's table: metrics against one parameter, with a line for each value of the other numbers and a
 //! row for each of the words.
 
+mod together;
+
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -10,13 +12,15 @@ use crate::failure::Failure;
 use crate::figures::chart::{At, Axis, Chart, Series, sheet};
 use crate::figures::style::{self, Style};
 use crate::figures::{Drawing, Paper};
+use crate::worlds::aligned::ALIGNED;
 use crate::worlds::criteria::MOVING;
 use crate::worlds::estimate::Moments;
 
 /// Columns that are drawn, with their regions and titles.
-const PANELS: [Panel; 6] = [
+const PANELS: [Panel; 7] = [
     error("log_loss", "observable", "Log loss", "log loss, nats/cell"),
     error("brier", "observable", "Brier score", "Brier score"),
+    error("log_loss", ALIGNED, "Log loss, aligned", "log loss, nats/cell"),
     Panel {
         ordinate: Ordinate::Probability,
         ..error("log_loss", FREE, "How free free cells are", "mean probability of being free")
@@ -87,6 +91,11 @@ pub fn names(mapper: &str) -> [String; 2] {
     [format!("{mapper}.png"), format!("{mapper}-range-by-looks.png")]
 }
 
+/// The file of the sheet of all mappers.
+pub fn name_of_all() -> String {
+    together::NAME.to_owned()
+}
+
 /// Size of a chart.
 const SIZE: (f64, f64) = (480.0, 430.0);
 
@@ -104,6 +113,10 @@ pub fn draw(table: &Path, paper: &Paper) -> Result<Vec<(String, Drawing)>, Failu
                 sheets.push((name, sheet(&charts, columns, size, paper)));
             }
         }
+    }
+    let all = means.together();
+    if !all.is_empty() {
+        sheets.push((name_of_all(), sheet(&all, together::PANELS.len(), SIZE, paper)));
     }
     Ok(sheets)
 }
@@ -191,15 +204,21 @@ struct Along {
 }
 
 /// A chart of lines, in the order of the numbers in their names; none where there is no line to draw.
-fn lined(
+fn lined(titles: (String, &str), along: Along, mut lines: Vec<Line>, kind: Ordinate, alone: Style) -> Option<Chart> {
+    lines.retain(|(_, points)| points.len() > 1);
+    lines.sort_by(|a, b| numbers(&a.0).partial_cmp(&numbers(&b.0)).unwrap_or(Ordering::Equal));
+    let only = lines.len() == 1;
+    styled(titles, along, lines, kind, |k| if only { alone } else { Style::numbered(k) })
+}
+
+/// A chart of lines in their order, each in its style; none where there is no line to draw.
+fn styled(
     (title, unit): (String, &str),
     along: Along,
     mut lines: Vec<Line>,
     kind: Ordinate,
-    alone: Style,
+    style: impl Fn(usize) -> Style,
 ) -> Option<Chart> {
-    lines.retain(|(_, points)| points.len() > 1);
-    lines.sort_by(|a, b| numbers(&a.0).partial_cmp(&numbers(&b.0)).unwrap_or(Ordering::Equal));
     lines.iter_mut().for_each(|(_, points)| points.sort_by(|a, b| a.x.total_cmp(&b.x)));
     let all = || lines.iter().flat_map(|(_, points)| points);
     let ends = |values: &mut dyn Iterator<Item = f64>| {
@@ -226,8 +245,6 @@ fn lined(
         Ordinate::Probability => (1.0 - 1.15 * (1.0 - bottom)).max(0.0)..1.0,
         Ordinate::Error => 0.0..1.08 * top.max(1e-9),
     };
-    let only = lines.len() == 1;
-    let style = |k: usize| if only { alone } else { Style::numbered(k) };
     let series = lines.into_iter().enumerate().map(|(k, (name, points))| Series { name, points, style: style(k) });
     Some(Chart::new(&title, x, Axis::linear(unit, y), series.collect()))
 }
@@ -246,7 +263,7 @@ fn along(key: &str) -> Along {
 
 /// The unit of a parameter, which stands behind what is said about it.
 fn unit(parameter: &parameters::Parameter) -> Option<&'static str> {
-    const UNITS: [&str; 7] = ["m", "px", "px m", "m/s", "s", "degrees per s", "degrees"];
+    const UNITS: [&str; 8] = ["m", "px", "px m", "m/s", "s", "degrees per s", "degrees", "rad"];
     let pieces = parameter.about.split([':', ';']);
     let behind = pieces.filter_map(|piece| Some(piece.rsplit_once(", ")?.1.trim()));
     behind.filter_map(|unit| UNITS.into_iter().find(|known| *known == unit)).next()
@@ -262,7 +279,8 @@ fn read(path: &Path) -> Result<Option<Means>, Failure> {
     let of_numbers =
         |number: bool| varied.iter().filter(move |(_, values)| is_number(values) == number).map(|(key, _)| key);
     let Some(axis) = of_numbers(true).max_by_key(|key| preference(key)) else { return Ok(None) };
-    let lines: Vec<&String> = of_numbers(true).filter(|key| *key != axis).collect();
+    let follow = followers(path, axis).map_err(|e| refuse(&e))?;
+    let lines: Vec<&String> = of_numbers(true).filter(|key| *key != axis && !follow.contains(*key)).collect();
     let words: Vec<&String> = of_numbers(false).collect();
     let mut means = Means {
         axis: axis.clone(),
@@ -279,6 +297,7 @@ fn read(path: &Path) -> Result<Option<Means>, Failure> {
     let (mapper, region, x, lines, words) =
         (column("mapper")?, column("region")?, column(axis)?, columns(&lines)?, columns(&words)?);
     let mut metrics = vec![("log_loss", column("log_loss")?), ("brier", column("brier")?)];
+    metrics.extend(heads.iter().position(|head| head == "retention").map(|column| ("retention", column)));
     // Only sweeps over worlds that move have them.
     let of_movement = MOVING.iter().map(|criterion| criterion.metric);
     metrics.extend(of_movement.filter_map(|metric| Some((metric, heads.iter().position(|head| head == metric)?))));
@@ -307,7 +326,7 @@ fn read(path: &Path) -> Result<Option<Means>, Failure> {
 
 /// What is best drawn along the axis, the higher the better.
 fn preference(key: &str) -> Option<usize> {
-    const KNOWN: [&str; 9] = [
+    const KNOWN: [&str; 10] = [
         "correlation",
         "scans",
         "believed_sigma",
@@ -317,6 +336,7 @@ fn preference(key: &str) -> Option<usize> {
         "assumed_length",
         "people_per_100_m2",
         "grid",
+        "pose_sigma_m",
     ];
     KNOWN.iter().position(|known| *known == key)
 }
@@ -339,6 +359,22 @@ fn varied(path: &Path) -> Result<Vec<(String, BTreeSet<String>)>, csv::Error> {
     }
     values.retain(|(_, values)| values.len() > 1);
     Ok(values)
+}
+
+/// Parameters that have one value for each of the axis: they were paired with it.
+fn followers(path: &Path, axis: &str) -> Result<BTreeSet<String>, csv::Error> {
+    let mut reader = csv::Reader::from_path(path)?;
+    let heads = reader.headers()?.clone();
+    let Some(x) = heads.iter().position(|head| head == axis) else { return Ok(BTreeSet::new()) };
+    let mut values: BTreeMap<usize, BTreeMap<String, String>> = (0..heads.len())
+        .filter(|k| *k != x && parameters::parameter(&heads[*k]).is_some())
+        .map(|k| (k, BTreeMap::new()))
+        .collect();
+    for row in reader.records() {
+        let row = row?;
+        values.retain(|k, of| *of.entry(row[x].to_owned()).or_insert_with(|| row[*k].to_owned()) == row[*k]);
+    }
+    Ok(values.into_keys().map(|k| heads[k].to_owned()).collect())
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use grid::Raster;
 use score::{LOOK_EDGES, MovingRegion, RANGE_EDGES_M, Region, error_profile};
 
 use crate::failure::Failure;
+use crate::worlds::aligned::ALIGNED;
 use crate::worlds::bins::ends;
 use crate::worlds::ground::Ground;
 use crate::worlds::run::Trial;
@@ -14,7 +15,7 @@ pub const RANGE_BY_LOOKS: &str = "range-by-looks";
 /// The names that a sweep file may give.
 pub fn known() -> Vec<&'static str> {
     let moving = MovingRegion::ALL.iter().map(|region| region.name());
-    Region::ALL.iter().map(|region| region.name()).chain([RANGE_BY_LOOKS]).chain(moving).collect()
+    Region::ALL.iter().map(|region| region.name()).chain([RANGE_BY_LOOKS, ALIGNED]).chain(moving).collect()
 }
 
 /// Whether regions of worlds that move are among them: tables then have the metrics of such worlds too.

@@ -7,6 +7,7 @@ use super::parameters::Value as Setting;
 use super::regions::{RANGE_BY_LOOKS, of_movement, range_by_looks};
 use crate::failure::Failure;
 use crate::output::table::{field, optional};
+use crate::worlds::aligned::{self, ALIGNED};
 use crate::worlds::criteria::{CRITERIA, Criterion, MOVING};
 use crate::worlds::ground::Ground;
 use crate::worlds::run::Trial;
@@ -71,13 +72,13 @@ pub fn columns(keys: &[String], of_movement: bool) -> Vec<String> {
     names.chain(["error"]).map(str::to_owned).collect()
 }
 
-/// The scores of a trial at the end of the drive.
+/// The scores of a trial at the end of the drive. `moved` has a trial for every mapper where aligned maps are asked for.
 ///
 /// # Errors
 /// A map that holds something else than probabilities.
-pub fn rows(job: &Job, ground: &Ground, trial: &Trial) -> Result<Vec<SweepRow>, Failure> {
+pub fn rows(job: &Job, ground: &Ground, trial: &Trial, moved: &[Option<Trial>]) -> Result<Vec<SweepRow>, Failure> {
     let mut rows = Vec::new();
-    for run in &trial.runs {
+    for (number, run) in trial.runs.iter().enumerate() {
         let Some(last) = run.stages.len().checked_sub(1) else {
             return Err(Failure::Internal(format!("{} was never scored", run.mapper)));
         };
@@ -85,7 +86,10 @@ pub fn rows(job: &Job, ground: &Ground, trial: &Trial) -> Result<Vec<SweepRow>, 
             rows.push(SweepRow::failed(run.mapper, fault));
             continue;
         }
-        let metric = |region: &str, name: &str| trial.metric(run.mapper, last, region, name);
+        let metric = |region: &str, name: &str| match region {
+            ALIGNED => moved.get(number)?.as_ref()?.metric(run.mapper, last, aligned::REGION.name(), name),
+            _ => trial.metric(run.mapper, last, region, name),
+        };
         let row = |region: String, cells, values| SweepRow {
             mapper: run.mapper.to_owned(),
             region,
