@@ -16,6 +16,7 @@
 mod clock;
 mod head;
 mod orientation;
+pub mod relations;
 mod rows;
 
 use std::collections::VecDeque;
@@ -135,6 +136,11 @@ impl Trajectory {
     /// First and last time, s.
     pub fn span_s(&self) -> [f64; 2] {
         [self.stamps[0].0, self.stamps[self.stamps.len() - 1].0]
+    }
+
+    /// Times in s and poses, in order.
+    pub fn poses(&self) -> &[(f64, Pose)] {
+        &self.stamps
     }
 
     /// What is to be known of it.

@@ -18,6 +18,7 @@
 //! - [`navigation`] plans drives on a map and says how many of them can be driven.
 //! - [`Tiles`] says how sure the difference of two maps of one world is.
 //! - [`Summary`] is the spread of a metric over seeds.
+//! - [`trajectory`] scores poses instead of maps.
 //! - [`threshold`] holds the probabilities at which a map is taken at its word.
 //!
 //! Sums run in index order, logarithms come from `libm`: the same input gives the same bytes.
@@ -45,6 +46,7 @@ mod suspicion;
 mod tally;
 pub mod threshold;
 mod tiles;
+pub mod trajectory;
 
 pub use align::{AlignBound, Alignment, align};
 pub use calibration::{BINS, Bin, reliability};
