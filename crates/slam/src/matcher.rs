@@ -201,7 +201,7 @@ mod tests {
         let mut surfaces = Surfaces::new(spec);
         points.iter().for_each(|at| surfaces.add(*at));
         let map = HitCounter::new(&Model::new(spec, Arc::new(Laser::default())), HitCount::GMAPPING);
-        let sharpness = Sharpness { occupied: 0.0, ..Sharpness::default() };
+        let sharpness = Sharpness { sigma_m: 0.05, occupied: 0.0, power: 1.0 };
         Field::new(&surfaces, &map, sharpness, [[1.0; 2], [5.0; 2]], true)
     }
 
