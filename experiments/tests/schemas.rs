@@ -129,6 +129,7 @@ fn schemas_have_the_keys_that_readers_know() {
         ("camera", "[camera]\nzzz = 1\n"),
         ("sensor", "[sensor]\nzzz = 1\n"),
         ("robot", "[robot]\nzzz = 1\n"),
+        ("odometry", "[odometry]\nzzz = 1\n"),
     ];
     let mut paths: BTreeSet<String> = keys_of(&schema_of("scene"), "");
     for (path, text) in scene {

@@ -11,7 +11,7 @@ use crate::generate::{self, Layout, Plan};
 use crate::{Problem, Scene, SceneError};
 
 /// A kind of place, of which every layout number gives another: a TOML file with a `[generate]`
-/// table, and the `[grid]`, `[camera]`, `[sensor]` and `[robot]` of its scenes.
+/// table, and the `[grid]`, `[camera]`, `[sensor]`, `[robot]` and `[odometry]` of its scenes.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Family {

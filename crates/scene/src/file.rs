@@ -15,6 +15,7 @@ pub mod limits;
 mod map;
 mod movers;
 mod obstacles;
+mod odometry;
 pub(crate) mod plan;
 mod points;
 mod polygon;
@@ -32,7 +33,7 @@ pub(crate) use self::family::is_family;
 use self::findings::Findings;
 use crate::{Obstacle, Problem, Scene, SceneError, Warning};
 
-const KEYS: [&str; 21] = [
+const KEYS: [&str; 22] = [
     "name",
     "description",
     "bounds",
@@ -54,6 +55,7 @@ const KEYS: [&str; 21] = [
     "camera",
     "sensor",
     "robot",
+    "odometry",
 ];
 
 impl Scene {
@@ -116,6 +118,7 @@ fn checked(root: &Table, path: &Path, cell_m: Option<f64>, found: &mut Findings)
     let motion_seed = found.take(root.optional_whole("motion_seed", &limits::SEED)).flatten().unwrap_or(0);
     let camera = camera::camera(root, found);
     let matcher = camera::matcher(root, found);
+    let odometry = odometry::read(root, found);
     let mut scene = Scene {
         name: name?,
         description,
@@ -135,6 +138,7 @@ fn checked(root: &Table, path: &Path, cell_m: Option<f64>, found: &mut Findings)
         camera,
         matcher,
         robot,
+        odometry,
         warnings,
     };
     if found.count() == 0 {

@@ -7,6 +7,7 @@ use sensor::{Camera, Matcher};
 use strict::Place;
 
 use crate::geometry::distance;
+use crate::odometry::Odometry;
 use crate::shape::Shape;
 use crate::things::{Chair, Door, Mover};
 use crate::warning::Warning;
@@ -52,6 +53,8 @@ pub struct Scene {
     pub matcher: Matcher,
     /// The robot.
     pub robot: Robot,
+    /// The robot's odometry, where the scene has one.
+    pub odometry: Option<Odometry>,
     /// What is suspicious about the scene, nothing where all is well.
     pub warnings: Vec<Warning>,
 }

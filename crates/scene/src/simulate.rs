@@ -5,7 +5,7 @@ mod standing;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
 use rayon::prelude::*;
-use sensor::{Scan, Surface};
+use sensor::{Pose, Scan, Surface};
 
 use crate::{Drive, Hit, Scene, TimedPose, World};
 
@@ -29,6 +29,8 @@ pub struct SimulatedScan {
     pub scan: Scan,
     /// True range of every ray, m; `None` where it ends on nothing.
     pub true_ranges_m: Vec<Option<f64>>,
+    /// Where the robot is by its odometry, which begins at the true pose; `None` in a scene without odometry.
+    pub odometry: Option<Pose>,
 }
 
 /// A moment at which the maps are looked at.
@@ -47,16 +49,24 @@ pub struct Stage {
 /// While the robot stands, a ray that ends as it did at an earlier scan from there has the edge and the mismatch of that scan
 /// again, and fresh noise; the recorded pose jitters, by the scene's robot, about the true one.
 ///
+/// Odometry, where the scene has one, reads streams of its own; what the camera read stays the same.
+///
 /// Scans are shared out over the threads of rayon's pool. Memory is asked for by scans, never by rays.
 pub fn simulate(scene: &Scene, world: &World, drive: &Drive, seed: u64) -> Simulation {
     let bearings_rad = scene.camera.bearings_rad();
     let eye = Eye { scene, world, drive, bearings_rad: &bearings_rad, seed };
-    let scans = if standing::any(drive) {
+    let mut scans: Vec<SimulatedScan> = if standing::any(drive) {
         standing::scans(&eye)
     } else {
         let scans = 0..drive.poses.len();
         scans.into_par_iter().map(|i| eye.scan(i, &eye.look(i), |_| i)).collect()
     };
+    if let Some(odometry) = &scene.odometry {
+        let poses: Vec<Pose> = drive.poses.iter().map(|timed| timed.pose).collect();
+        for (scan, measured) in scans.iter_mut().zip(odometry.measure(&poses, seed)) {
+            scan.odometry = Some(measured);
+        }
+    }
     let stages = drive.stage_ends.iter().map(|(name, scans)| Stage { name: name.clone(), scans: *scans }).collect();
     Simulation { scans, stages }
 }
@@ -112,7 +122,7 @@ impl Eye<'_> {
         let TimedPose { time_s, pose } = self.drive.poses[scan];
         let true_ranges_m = ends.iter().map(|surface| surface.map(|s| s.range_m)).collect();
         let scan = Scan { sensor: 0, time_s, pose, bearings_rad: self.bearings_rad.to_vec(), readings };
-        SimulatedScan { scan, true_ranges_m }
+        SimulatedScan { scan, true_ranges_m, odometry: None }
     }
 }
 

@@ -163,7 +163,7 @@ pub(super) fn robot(root: &Table, found: &mut Findings) -> Robot {
 }
 
 /// Takes the numbers that the table gives.
-fn take<const N: usize>(table: &Table, fields: [(&str, &Limit, &mut f64); N], found: &mut Findings) {
+pub(super) fn take<const N: usize>(table: &Table, fields: [(&str, &Limit, &mut f64); N], found: &mut Findings) {
     for (key, limit, field) in fields {
         if let Some(value) = found.take(table.optional_number(key, limit)).flatten() {
             *field = value;

@@ -6,15 +6,15 @@ use strict::{Error, Limit, Table, open};
 
 use super::findings::Findings;
 use super::limits::{CLEARANCE, COVERED, OBSTACLE, OPENING, PACE, PEOPLE, SHARE, SIDE, SPREAD, THICKNESS};
-use super::{camera, cells};
+use super::{camera, cells, odometry};
 use crate::generate::people::PEOPLE_M_S;
 use crate::generate::{Kind, Plan};
 use crate::{Family, SceneError};
 
-const KEYS: [&str; 7] = ["name", "description", "generate", "grid", "camera", "sensor", "robot"];
+const KEYS: [&str; 8] = ["name", "description", "generate", "grid", "camera", "sensor", "robot", "odometry"];
 
 /// Tables of a scene that a family gives to each of its own.
-const CARRIED: [&str; 4] = ["grid", "camera", "sensor", "robot"];
+const CARRIED: [&str; 5] = ["grid", "camera", "sensor", "robot", "odometry"];
 
 /// Longest name: with a hyphen and a layout number of up to 20 digits it is a scene's name of 32.
 const LONGEST_NAME: usize = 11;
@@ -87,6 +87,7 @@ fn checked(root: &Table, path: &Path, found: &mut Findings) -> Option<Family> {
     cells::read(root, bounds, None, cells::DEFAULT_M, found);
     camera::camera(root, found);
     camera::matcher(root, found);
+    odometry::read(root, found);
     let robot_radius_m = camera::robot(root, found).radius_m;
     let sections = CARRIED.iter().filter_map(|&section| Some((section, root.section(section).ok()??.verbatim())));
     let place = root.place_of("generate");

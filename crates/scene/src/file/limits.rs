@@ -51,6 +51,35 @@ pub const JITTER_ANGLE: Limit =
 /// How long the robot stands at a stop, s.
 pub const WAIT: Limit = limit(0.0, 36e3, "a time in s, 0 to 36000", "give how long the robot stands there, such as 10");
 
+/// Error of measured turns per turn.
+pub const TURN_PER_TURN: Limit =
+    limit(0.0, 1.0, "a share from 0 to 1", "give 0.056 for 5 degrees per 90 turned, 0 for none");
+/// Error of measured turns per metre, degrees.
+pub const TURN_PER_WAY: Limit =
+    limit(0.0, 90.0, "an angle in degrees per m, 0 to 90", "give a standard deviation such as 1, 0 for none");
+/// Error of measured ways per metre.
+pub const WAY_PER_WAY: Limit = limit(0.0, 1.0, "a share from 0 to 1", "give 0.1 for 10 % of the distance, 0 for none");
+/// Error of measured ways per degree turned, m.
+pub const WAY_PER_TURN: Limit =
+    limit(0.0, 0.1, "a length in m per degree, 0 to 0.1", "give a standard deviation such as 0.0002, 0 for none");
+/// What is always measured beyond a turn.
+pub const BIAS_TURN_PER_TURN: Limit =
+    limit(-0.5, 0.5, "a share from -0.5 to 0.5", "give 0.02 for a track that is taken for 2 % too narrow");
+/// What is always measured to be turned on a straight way, degrees per m.
+pub const BIAS_TURN_PER_M: Limit =
+    limit(-90.0, 90.0, "an angle in degrees per m, -90 to 90", "give it counter-clockwise, such as 0.5");
+/// What is always measured beyond a way.
+pub const BIAS_M_PER_M: Limit =
+    limit(-0.5, 0.5, "a share from -0.5 to 0.5", "give 0.01 for wheels that are taken for 1 % too large");
+/// Slips per metre.
+pub const SLIPS: Limit =
+    limit(0.0, 100.0, "a number of slips per m, 0 to 100", "give the mean number, such as 0.05, 0 for none");
+/// What a slip adds to the way, m.
+pub const SLIP: Limit =
+    limit(0.0, 10.0, "a length in m, 0 to 10", "give the mean of what is measured too much, such as 0.05");
+/// What a slip adds to the turn, degrees.
+pub const SLIP_ANGLE: Limit = limit(0.0, 180.0, "an angle in degrees, 0 to 180", "give a standard deviation such as 2");
+
 /// Radius of a mover, m.
 pub const MOVER_RADIUS: Limit = limit(0.01, 5.0, "a length in m, 0.01 to 5", "give the mover's radius, such as 0.25");
 /// Speed of a mover, m/s.

@@ -156,9 +156,9 @@ fn scans(trial: &Trial) -> Table {
     let mut rows = Vec::new();
     for (number, simulated) in trial.simulation.scans.iter().enumerate() {
         let rays = simulated.scan.rays().zip(&simulated.true_ranges_m);
-        rows.extend(rays.map(|(ray, range)| (number, &simulated.scan, ray, *range)));
+        rows.extend(rays.map(|(ray, range)| (number, &simulated.scan, ray, *range, simulated.odometry)));
     }
-    Table::of(
+    let table = Table::of(
         &rows,
         &[
             ("scan", &|row| json!(row.0)),
@@ -169,6 +169,17 @@ fn scans(trial: &Trial) -> Table {
             ("bearing_rad", &|row| rounded(row.2.bearing_rad)),
             ("disparity_px", &|row| optional(row.2.reading)),
             ("true_range_m", &|row| optional(row.3)),
+        ],
+    );
+    if trial.simulation.scans.iter().all(|simulated| simulated.odometry.is_none()) {
+        return table;
+    }
+    table.and(
+        &rows,
+        &[
+            ("odom_x_m", &|row| optional(row.4.map(|pose| pose.x_m))),
+            ("odom_y_m", &|row| optional(row.4.map(|pose| pose.y_m))),
+            ("odom_theta_rad", &|row| optional(row.4.map(|pose| pose.theta_rad))),
         ],
     )
 }

@@ -1,8 +1,9 @@
 //! The schema of scene files, and of the tables that families share with them.
 
 use ::scene::reader::limits::{
-    COLUMNS, FIELD_OF_VIEW, FOCAL_BASELINE, INTERVAL, JITTER, JITTER_ANGLE, PATIENCE, PROBABILITY, RADIUS, REACH,
-    SEARCH, SIGMA, SPEED, STEP, TURN_RATE, WAIT,
+    BIAS_M_PER_M, BIAS_TURN_PER_M, BIAS_TURN_PER_TURN, COLUMNS, FIELD_OF_VIEW, FOCAL_BASELINE, INTERVAL, JITTER,
+    JITTER_ANGLE, PATIENCE, PROBABILITY, RADIUS, REACH, SEARCH, SIGMA, SLIP, SLIP_ANGLE, SLIPS, SPEED, STEP,
+    TURN_PER_TURN, TURN_PER_WAY, TURN_RATE, WAIT, WAY_PER_TURN, WAY_PER_WAY,
 };
 use serde_json::{Value, json};
 
@@ -124,7 +125,7 @@ fn drive() -> [(&'static str, Value); 4] {
 }
 
 /// The tables that families have too.
-pub(super) fn shared() -> [(&'static str, Value); 4] {
+pub(super) fn shared() -> [(&'static str, Value); 5] {
     let camera =
         [("columns", whole("Image columns", &COLUMNS)), ("field_of_view_deg", number("Field of view", &FIELD_OF_VIEW))];
     let sensor = [
@@ -155,5 +156,24 @@ pub(super) fn shared() -> [(&'static str, Value); 4] {
         ("camera", table("The stereo camera", &camera, &[])),
         ("sensor", table("Its noise", &sensor, &[])),
         ("robot", table("The robot", &robot, &[])),
+        ("odometry", odometry()),
     ]
+}
+
+fn odometry() -> Value {
+    let keys = [
+        ("deg_per_deg", number("Standard deviation of a turn per turn", &TURN_PER_TURN)),
+        ("deg_per_m", number("Standard deviation of both turns of a step per distance", &TURN_PER_WAY)),
+        ("m_per_m", number("Standard deviation of the distance per distance", &WAY_PER_WAY)),
+        ("m_per_deg", number("Standard deviation of the distance per turn", &WAY_PER_TURN)),
+        ("bias_deg_per_deg", number("Share of a turn that is measured beyond it", &BIAS_TURN_PER_TURN)),
+        ("bias_deg_per_m", number("Turn that is measured of a straight way", &BIAS_TURN_PER_M)),
+        ("bias_m_per_m", number("Share of a distance that is measured beyond it", &BIAS_M_PER_M)),
+        ("slips_per_m", number("Mean number of slips", &SLIPS)),
+        ("slip_m", number("Mean of what a slip adds to the distance", &SLIP)),
+        ("slip_deg", number("Standard deviation of what a slip adds to the turn", &SLIP_ANGLE)),
+    ];
+    let mut odometry = table("What the robot measures of its way, beside the true pose", &keys, &[]);
+    odometry["dependentRequired"] = json!({ "slip_m": ["slips_per_m"], "slip_deg": ["slips_per_m"] });
+    odometry
 }
