@@ -21,8 +21,11 @@ use crate::trajectory::{self, Row};
 /// Points round a match from which its Gaussian is made; for each, there is the one on the other side.
 const PAIRS: usize = 12;
 
-/// Updates in a row that the map must explain worse than none before the robot counts as carried away.
+/// The robot counts as carried away where its map predicts so many updates in a row worse than a map that has seen nothing ...
 const LOST: usize = 3;
+
+/// ... or one by so much, nats per reading. A scan that fits has some 4 more than nothing, one from elsewhere some 3 less.
+const COLLAPSE: f64 = -1.0;
 
 /// What an update of the filter came to.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,8 +45,8 @@ pub struct Update {
     /// How much better the map of the heaviest particle predicts the scan than one that has seen nothing, nats per reading; none of a map
     /// that does not predict.
     pub gain: Option<f64>,
-    /// The robot is not where the map says: for some updates in a row the map has predicted scans worse than one that has seen
-    /// nothing. Said once, and again only after it was found again.
+    /// The robot is not where the map says: the map has predicted this scan far worse than one that has seen nothing would, or some
+    /// updates in a row worse. Said once, and again only after a scan has fitted.
     pub carried_away: bool,
 }
 
@@ -72,6 +75,8 @@ pub struct Slam {
     updates: Vec<Update>,
     /// Updates in a row that the map explains worse than none.
     unexplained: usize,
+    /// Whether it was said that the robot was carried away, and no scan has fitted since.
+    away: bool,
 }
 
 /// Why there is no filter.
@@ -128,6 +133,7 @@ impl Slam {
             last: Pose::default(),
             updates: Vec::new(),
             unexplained: 0,
+            away: false,
         })
     }
 
@@ -186,11 +192,11 @@ impl Slam {
         let weights = normalised(&logs);
         let heaviest = heaviest(&logs);
         let best = &self.particles[heaviest];
-        let pose = best.path[best.path.len() - 1];
+        let (pose, matched) = (best.path[best.path.len() - 1], best.found.matched);
         let unseen = self.unseen.evidence(&sight.asked_from(pose));
         let gain = best.found.evidence.zip(unseen).filter(|_| sight.asked() > 0);
         let gain = gain.map(|(known, unknown)| (known - unknown) / sight.asked() as f64);
-        self.unexplained = if gain.is_some_and(|gain| gain < 0.0) { self.unexplained + 1 } else { 0 };
+        let carried_away = self.is_carried_away(gain);
         let effective = effective(&weights);
         let resampled = effective < 0.5 * self.particles.len() as f64;
         let update = Update {
@@ -199,14 +205,24 @@ impl Slam {
             effective,
             resampled,
             spread_m: spread_m(&self.particles, &weights),
-            matched: best.found.matched,
+            matched,
             gain,
-            carried_away: self.unexplained == LOST,
+            carried_away,
         };
         if resampled {
             self.resample(&low_variance(&weights, random.random()));
         }
         update
+    }
+
+    /// Whether the robot is found to be carried away now, and was not before.
+    fn is_carried_away(&mut self, gain: Option<f64>) -> bool {
+        let Some(gain) = gain else { return false };
+        self.unexplained = if gain < 0.0 { self.unexplained + 1 } else { 0 };
+        let collapsed = gain < COLLAPSE || self.unexplained >= LOST;
+        let news = collapsed && !self.away;
+        self.away = collapsed || self.away && gain < 0.0;
+        news
     }
 
     /// Goes on with copies of the chosen particles; whoever is chosen goes on itself, and is copied for the others.

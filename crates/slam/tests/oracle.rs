@@ -9,7 +9,7 @@ use mapper::{FastVisibility, Mapper as _, Model};
 use rand::RngExt as _;
 use sensor::{OdometryNoise, Pose, Scan, Step};
 use slam::{Motion, Options, Proposal, Slam, Weight};
-use worlds::{COARSE, Exact, prior, rays_in, room, seen, small, way};
+use worlds::{COARSE, Exact, likelihoods, prior, room, seen, small, way};
 
 /// Where the odometry measures a step, one of three was driven.
 struct OneOfThree;
@@ -70,14 +70,13 @@ fn exact() -> Vec<f64> {
             p *= OneOfThree::MOVES[which].0;
             poses.push(OneOfThree::driven(&step, which).end(poses[k - 1]));
         }
-        let of_world = |world: usize| {
-            let scan = |(pose, (scan, _)): (&Pose, &(Scan, Pose))| {
-                rays_in(world, &Scan { pose: *pose, ..scan.clone() }).iter().product::<f64>()
-            };
-            prior(world) * poses.iter().zip(&scans).map(scan).product::<f64>()
-        };
+        let mut worlds: Vec<f64> = (0..512).map(prior).collect();
+        for (pose, (scan, _)) in poses.iter().zip(&scans) {
+            let likelihoods = likelihoods(&Scan { pose: *pose, ..scan.clone() });
+            worlds.iter_mut().zip(likelihoods).for_each(|(p, likelihood)| *p *= likelihood);
+        }
         let inside = poses.iter().all(|pose| small().locate(pose.position_m()).is_some());
-        if inside { p * (0..512).map(of_world).sum::<f64>() } else { 0.0 }
+        if inside { p * worlds.iter().sum::<f64>() } else { 0.0 }
     };
     let ways: Vec<f64> = (0..27).map(way).collect();
     let sum: f64 = ways.iter().sum();

@@ -58,7 +58,7 @@ fn the_way_is_found_where_odometry_loses_it_by_either_weight_and_any_map() {
     let way = way(160);
     let odometry = measured(&way, 5);
     let lost_m = worst_m(odometry.iter().copied(), &way);
-    assert!(lost_m > 0.4, "the odometry drifts: {lost_m}");
+    assert!(lost_m > 0.35, "the odometry drifts: {lost_m}");
     let counting = || Box::new(HitCounter::new(&room(), HitCount::GMAPPING)) as Box<dyn Mapper>;
     for (mapper, weight) in
         [(visibility(), Weight::FIELD), (visibility(), Weight::EVIDENCE), (counting(), Weight::FIELD)]
@@ -68,8 +68,10 @@ fn the_way_is_found_where_odometry_loses_it_by_either_weight_and_any_map() {
         let off_m = worst_m(outcome.trajectory.iter().map(|(_, pose)| *pose), &way);
         assert!(off_m < 0.1, "{weight:?}: {off_m} m, the odometry {lost_m} m");
         assert!(outcome.updates.iter().all(|update| !update.carried_away));
-        let [wall, free] = [[4.02, 3.5], [2.0, 2.0]].map(|at| room().grid.locate(at).expect("on the map"));
-        assert!(outcome.map.occupied(wall) > 0.4 && outcome.map.occupied(free) < 0.1, "{weight:?}");
+        let occupied = |at: [f64; 2]| outcome.map.occupied(room().grid.locate(at).expect("on the map"));
+        // The face of the pillar lies on the border of two cells.
+        let face = [3.925, 3.975, 4.025, 4.075].map(|x| occupied([x, 3.5])).into_iter().fold(0.0, f64::max);
+        assert!(face > 0.4 && occupied([2.0, 2.0]) < 0.1, "{weight:?} {face}");
     }
 }
 

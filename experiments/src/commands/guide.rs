@@ -19,7 +19,7 @@ macro_rules! pages {
     ($($name:literal),* $(,)?) => { [$(($name, include_str!(concat!("../../guide/", $name, ".md")))),*] };
 }
 
-const PAGES: [(&str, &str); 24] = pages![
+const PAGES: [(&str, &str); 25] = pages![
     "introduction",
     "commands",
     "room",
@@ -38,6 +38,7 @@ const PAGES: [(&str, &str); 24] = pages![
     "gate",
     "sweep",
     "logs",
+    "slam",
     "calibrate",
     "speed",
     "figures",

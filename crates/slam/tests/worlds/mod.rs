@@ -1,7 +1,7 @@
 //! Worlds for tests: one of 3 x 3 cells that is summed over exactly, and a room.
-#![allow(dead_code)] // each test uses a part
+#![allow(dead_code, unreachable_pub)] // each test uses a part
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use grid::{GridSpec, Raster};
 use mapper::{Belief, Mapper, Model, Predictive};
@@ -18,13 +18,24 @@ pub fn small() -> GridSpec {
     GridSpec { cell_m: 1.0, origin_m: [0.0; 2], width: 3, height: 3 }
 }
 
-/// Probability, per unit of the reading, of every ray of a scan in one of the 512 worlds.
-pub fn rays_in(world: usize, scan: &Scan) -> Vec<f64> {
-    let spec = small();
-    let cells = Raster::new(spec, (0..9).map(|cell| f64::from(world as u32 >> cell & 1)).collect());
-    let mut predictive = Predictive::new(spec, &COARSE, OCCUPIED);
-    let of = |ray| predictive.take(&ray).then(|| (-predictive.log_loss(Belief::Cells(&cells))).exp());
-    scan.rays().filter_map(of).collect()
+/// All 512 worlds.
+fn cells() -> &'static [Raster<f64>] {
+    static CELLS: OnceLock<Vec<Raster<f64>>> = OnceLock::new();
+    let world = |world: u32| Raster::new(small(), (0..9).map(|cell| f64::from(world >> cell & 1)).collect());
+    CELLS.get_or_init(|| (0..512).map(world).collect())
+}
+
+/// Probability, per unit of the readings, of all rays of a scan in each of the 512 worlds.
+pub fn likelihoods(scan: &Scan) -> Vec<f64> {
+    let mut all = vec![1.0; 512];
+    let mut predictive = Predictive::new(small(), &COARSE, OCCUPIED);
+    for ray in scan.rays() {
+        if predictive.take(&ray) {
+            let of = |world| (-predictive.log_loss(Belief::Cells(world))).exp();
+            all.iter_mut().zip(cells()).for_each(|(p, world)| *p *= of(world));
+        }
+    }
+    all
 }
 
 /// Prior probability of a world.
@@ -49,9 +60,7 @@ impl Exact {
 
 impl Mapper for Exact {
     fn integrate(&mut self, scan: &Scan) {
-        for (world, p) in self.worlds.iter_mut().enumerate() {
-            *p *= rays_in(world, scan).iter().product::<f64>();
-        }
+        self.worlds.iter_mut().zip(likelihoods(scan)).for_each(|(p, likelihood)| *p *= likelihood);
         let sum: f64 = self.worlds.iter().sum();
         self.worlds.iter_mut().for_each(|p| *p /= sum);
         for cell in 0..9 {
@@ -66,8 +75,7 @@ impl Mapper for Exact {
 
     fn evidence(&self, scan: &Scan) -> Option<f64> {
         small().locate(scan.pose.position_m())?;
-        let of = |(world, p): (usize, &f64)| p * rays_in(world, scan).iter().product::<f64>();
-        Some(self.worlds.iter().enumerate().map(of).sum::<f64>().ln())
+        Some(self.worlds.iter().zip(likelihoods(scan)).map(|(p, likelihood)| p * likelihood).sum::<f64>().ln())
     }
 
     fn fork(&self) -> Option<Box<dyn Mapper>> {
