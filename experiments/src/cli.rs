@@ -25,6 +25,7 @@ use crate::commands::scene::{self, SceneCommand};
 use crate::commands::schema::{self, SchemaOptions, Schemas};
 use crate::commands::score::{self, ScoreOptions};
 use crate::commands::sensor::{self, SensorOptions};
+use crate::commands::slam::{self, SlamOptions};
 use crate::commands::speed::{self, SpeedOptions};
 use crate::commands::sweep::{self, SweepOptions};
 use crate::commands::tune::{self, TuneOptions};
@@ -83,6 +84,8 @@ enum Command {
     Speed(SpeedOptions),
     /// Map what a real robot recorded, and score the maps by how well they predict scans kept back
     Replay(Box<ReplayOptions>),
+    /// Find where a robot went and what lies there together, from scans and odometry: a particle filter with a map to each particle
+    Slam(Box<SlamOptions>),
     /// Score maps of any maker against the truth: a scene, or a map that is believed
     Score(Box<ScoreOptions>),
     /// Fit a sensor's kernel and the prior to a log, or to disparities with known truth
@@ -130,6 +133,7 @@ pub fn main() -> ExitCode {
     let given = matches.subcommand().map(|(_, options)| Given::of(options)).unwrap_or_default();
     match &mut command {
         Command::Replay(options) => options.given = given,
+        Command::Slam(options) => options.given = given,
         Command::Calibrate(options) => options.given = given,
         _ => {}
     }
@@ -157,6 +161,7 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Sensor(options) => sensor::run(&options),
         Command::Speed(options) => speed::run(&options),
         Command::Replay(options) => replay::run(&options),
+        Command::Slam(options) => slam::run(&options),
         Command::Score(options) => score::run(&options),
         Command::Calibrate(options) => calibrate::run(&options),
         Command::Report(options) => report::run(&options, &PAGES),

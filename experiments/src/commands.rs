@@ -17,6 +17,7 @@ pub mod scene;
 pub mod schema;
 pub mod score;
 pub mod sensor;
+pub mod slam;
 pub mod speed;
 pub mod sweep;
 pub mod tune;

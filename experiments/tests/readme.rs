@@ -12,11 +12,12 @@ use assert_cmd::Command;
 use checked::checked;
 
 /// Commands that take more than seconds, each with options behind it that shorten it.
-const SLOW: [(&str, &str); 5] = [
+const SLOW: [(&str, &str); 6] = [
     ("compare --quick", "--seeds 1 --batch-seeds 0 --mappers visibility,conventional --families halls"),
     ("gate", "--only near"),
     ("calibrate scenes/logs/aces.clf.bz2", "--scans 60"),
     ("replay scenes/logs/aces.clf.bz2", "--every 5 --mappers visibility,conventional"),
+    ("slam scenes/logs/aces.clf.bz2", "--particles 2 --every 3"),
     ("sweep cell-size", "--shards 0"),
 ];
 

@@ -22,6 +22,7 @@ const GROUPS: [(&str, &[(&str, &str)]); 4] = [
         "Real data",
         &[
             ("replay", "replay scenes/logs/aces.clf.bz2"),
+            ("slam", "slam scenes/logs/aces.clf.bz2 --particles 5"),
             ("calibrate", "calibrate scenes/logs/aces.clf.bz2"),
             ("scene", "scene from-plan scenes/plans/flat.json --out flat.toml"),
             ("convert", "convert results/room/visibility-c.npy map.yaml"),

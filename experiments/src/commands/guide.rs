@@ -19,7 +19,7 @@ macro_rules! pages {
     ($($name:literal),* $(,)?) => { [$(($name, include_str!(concat!("../../guide/", $name, ".md")))),*] };
 }
 
-const PAGES: [(&str, &str); 25] = pages![
+const PAGES: [(&str, &str); 26] = pages![
     "introduction",
     "commands",
     "room",
@@ -39,6 +39,7 @@ const PAGES: [(&str, &str); 25] = pages![
     "gate",
     "sweep",
     "logs",
+    "slam",
     "calibrate",
     "speed",
     "figures",

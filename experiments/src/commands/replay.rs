@@ -10,7 +10,6 @@ mod outputs;
 mod predictions;
 mod recalibrated;
 mod recording;
-mod seen;
 mod viewed;
 
 pub use options::ReplayOptions;

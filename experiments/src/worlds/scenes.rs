@@ -59,6 +59,16 @@ pub(crate) fn described() -> impl TypedValueParser<Value = PathBuf> {
     })
 }
 
+/// A file of the command line that may be a scene, as [`scene`], or any other file; true for a scene.
+pub fn or_file(path: &Path) -> (PathBuf, bool) {
+    if path.extension().is_some_and(|extension| extension == "toml") {
+        return (path.to_owned(), true);
+    }
+    let scene = named(path.to_owned(), SCENES);
+    let known = !path.exists() && (strict::is_file(&scene));
+    if known { (scene, true) } else { (path.to_owned(), false) }
+}
+
 fn named(path: PathBuf, folder: &str) -> PathBuf {
     // Names of a list may have blanks about them.
     let Some(name) = path.to_str().map(str::trim) else { return path };

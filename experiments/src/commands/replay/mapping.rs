@@ -11,11 +11,12 @@ use sensor::Scan;
 use super::extent::Survey;
 use super::kept_back::{BATCH, KeptBack};
 use super::recording::{self, Recording};
-use super::seen::{Reach, Seen};
+
 use crate::failure::Failure;
 use crate::jobs::progress::Count;
 use crate::output::note;
 use crate::worlds::faults;
+use crate::worlds::seen::{Reach, Seen};
 
 /// What mappers made of the scans that were not kept back.
 pub(super) struct Maps {

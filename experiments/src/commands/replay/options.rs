@@ -1,12 +1,10 @@
 //! Options of `replay`.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
 use logs::{Report, Sensor};
 use mapper::Repeats;
-use sensor::{Laser, SensorModel, Stereo};
 
 use crate::failure::Failure;
 use crate::figures::Paper;
@@ -16,11 +14,9 @@ use crate::output::args::{
 use crate::output::folder;
 use crate::programs::options::ProgramOptions;
 use crate::worlds::agreement::Spread;
+use crate::worlds::kernels::{self, LaserOptions, Shared, StereoOptions};
 use crate::worlds::ranked::SortOption;
 use crate::worlds::reading::{self, FanArgs};
-
-/// A sensor that mappers share.
-pub(super) type Shared = Arc<dyn SensorModel>;
 
 /// Mappers where none are named: those that a robot would run, and what knows nothing.
 const MAPPERS: &str = "visibility,conventional,log-odds-octomap,log-odds-cartographer,prior";
@@ -143,40 +139,6 @@ pub enum Body {
     Robot,
 }
 
-/// The kernel of a laser.
-#[derive(Debug, Clone, Copy, Args)]
-pub struct LaserOptions {
-    /// Standard deviation of an echo, m
-    #[arg(long, help_heading = "Laser", value_name = "M", default_value_t = Laser::default().range_sigma_m, allow_negative_numbers = true, value_parser = positive)]
-    pub range_sigma: f64,
-    /// Probability that a pulse is reflected by the first obstacle on the map
-    #[arg(long, help_heading = "Laser", value_name = "P", default_value_t = Laser::default().hit, allow_negative_numbers = true, value_parser = probability)]
-    pub hit: f64,
-    /// Probability that a pulse is lost; what this and --hit leave of one are outliers
-    #[arg(long, help_heading = "Laser", value_name = "P", default_value_t = Laser::default().no_echo, allow_negative_numbers = true, value_parser = probability)]
-    pub no_echo: f64,
-    /// Things on no map that stand in a metre of beam, 1/m
-    #[arg(long, help_heading = "Laser", value_name = "RATE", default_value_t = Laser::default().early_per_m, allow_negative_numbers = true, value_parser = probability)]
-    pub early: f64,
-}
-
-/// The kernel of a stereo camera.
-#[derive(Debug, Clone, Copy, Args)]
-pub struct StereoOptions {
-    /// Focal length times baseline, px·m
-    #[arg(long, help_heading = "Stereo camera", value_name = "PX·M", default_value_t = Stereo::default().focal_baseline, allow_negative_numbers = true, value_parser = positive)]
-    pub focal_baseline: f64,
-    /// Standard deviation of a correct disparity, px
-    #[arg(long, help_heading = "Stereo camera", value_name = "PX", default_value_t = Stereo::default().disparity_sigma, allow_negative_numbers = true, value_parser = positive)]
-    pub disparity_sigma: f64,
-    /// Probability of a correct match
-    #[arg(long, help_heading = "Stereo camera", value_name = "P", default_value_t = Stereo::default().correct_match, allow_negative_numbers = true, value_parser = probability)]
-    pub correct_match: f64,
-    /// Largest disparity searched, px
-    #[arg(long, help_heading = "Stereo camera", value_name = "PX", default_value_t = Stereo::default().max_disparity, allow_negative_numbers = true, value_parser = positive)]
-    pub max_disparity: f64,
-}
-
 fn window(text: &str) -> Result<[f64; 2], String> {
     let bound = "two numbers of seconds that rise, such as 60,120";
     let parts: Vec<f64> = text.split(',').filter_map(|part| part.trim().parse().ok()).collect();
@@ -242,18 +204,7 @@ impl ReplayOptions {
 
     /// What the mappers know of the sensor that took the log.
     pub(super) fn sensor(&self, sensor: Sensor) -> Result<Shared, Failure> {
-        match sensor {
-            Sensor::Laser { max_range_m, .. } => {
-                let LaserOptions { range_sigma, hit, no_echo, early } = self.laser;
-                let laser = Laser { range_sigma_m: range_sigma, max_range_m, hit, no_echo, early_per_m: early };
-                laser.validate().map_err(|error| Failure::BadInput(format!("{}: {error}", self.log.display())))?;
-                Ok(Arc::new(laser))
-            }
-            Sensor::Stereo => {
-                let StereoOptions { focal_baseline, disparity_sigma, correct_match, max_disparity } = self.stereo;
-                Ok(Arc::new(Stereo { focal_baseline, disparity_sigma, correct_match, max_disparity }))
-            }
-        }
+        kernels::sensor(&self.log.display().to_string(), sensor, (self.laser, self.stereo))
     }
 }
 

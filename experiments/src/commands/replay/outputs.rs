@@ -14,7 +14,7 @@ use super::along_time;
 use super::extent::Survey;
 use super::figure;
 use super::mapping::Maps;
-use super::options::{Body, DAMAGED_SHARE, LaserOptions, REPEAT_DEG, ReplayOptions, StereoOptions};
+use super::options::{Body, DAMAGED_SHARE, REPEAT_DEG, ReplayOptions};
 use super::predictions::{Prediction, Predictions};
 use super::recording::Recording;
 use super::viewed;
@@ -26,6 +26,7 @@ use crate::output::ledger::RECORD;
 use crate::output::record::Record;
 use crate::output::table::Table;
 use crate::page::{self, Page, Part, Picture, Section, Sheet, Viewer};
+use crate::worlds::kernels::{LaserOptions, StereoOptions};
 use crate::worlds::ranked::{Head, SortOption, legend};
 use crate::worlds::reading;
 

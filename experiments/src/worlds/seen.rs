@@ -8,7 +8,7 @@ const NEIGHBOURS: usize = 2;
 
 /// How far a reading is relied on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Reach {
+pub enum Reach {
     /// As far as it goes: a laser's.
     Reading,
     /// No farther than the median of its neighbours and itself: a stereo camera's, one in five of which is a false match
@@ -17,20 +17,20 @@ pub(super) enum Reach {
 }
 
 /// Cells that a ray has crossed or ended in.
-pub(super) struct Seen {
-    pub(super) cells: Raster<bool>,
+pub struct Seen {
+    pub cells: Raster<bool>,
     reach: Reach,
     line: DigitalLine,
 }
 
 impl Seen {
     /// None yet.
-    pub(super) fn new(grid: GridSpec, reach: Reach) -> Self {
+    pub fn new(grid: GridSpec, reach: Reach) -> Self {
         Self { cells: Raster::filled(grid, false), reach, line: DigitalLine::default() }
     }
 
     /// Marks the cells of a scan.
-    pub(super) fn add(&mut self, scan: &Scan, sensor: &dyn SensorModel) {
+    pub fn add(&mut self, scan: &Scan, sensor: &dyn SensorModel) {
         let range = |(reading, bearing): (&Option<f64>, &f64)| sensor.range_of((*reading)?, *bearing);
         let ranges_m: Vec<Option<f64>> = scan.readings.iter().zip(&scan.bearings_rad).map(range).collect();
         for (k, ray) in scan.rays().enumerate() {

@@ -1,0 +1,91 @@
+//! `slam`: trajectory and map together, from scans and odometry.
+
+mod figure;
+mod options;
+mod outputs;
+mod scores;
+mod source;
+
+pub use options::SlamOptions;
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use slam::{Slam, Update};
+
+use self::outputs::Told;
+use self::scores::Scores;
+use self::source::Source;
+use crate::failure::Failure;
+use crate::jobs::interruption;
+use crate::jobs::progress::Count;
+use crate::jobs::threads;
+use crate::output::args::Format;
+use crate::output::folder::{Purpose, Staging};
+use crate::output::note;
+use crate::worlds::mappers::entries;
+use crate::worlds::reading;
+
+/// Finds where the robot went and what lies there.
+///
+/// # Errors
+/// Bad input before any work, a log that is refused or has no odometry, I/O.
+pub fn run(options: &SlamOptions) -> Result<(), Failure> {
+    let start = Instant::now();
+    interruption::watch();
+    threads::limit(options.threads.count)?;
+    let noise = options.noise()?;
+    let entry = entries(std::slice::from_ref(&options.mapper), &Default::default())?[0];
+    let Source { place, scans, model, truth, report, .. } = Source::of(options)?;
+    if let Some((report, sensor)) = &report {
+        reading::tell_before_mapping(&place, report);
+        reading::tell_idle(&options.given, &place, report, *sensor);
+    }
+    let references = scores::References::of(options, truth)?;
+    let out = options.out(&place);
+    let reads = [Some(&options.source), options.truth.as_ref(), options.relations.as_ref()];
+    let reads: Vec<&std::path::PathBuf> = reads.into_iter().flatten().collect();
+    let mut staging = Staging::open(&out, &Purpose::new("slam", &reads, outputs::names(&options.paper)))?;
+
+    let refused = |error: slam::SlamError| Failure::BadInput(format!("--mapper {}: {error}", entry.name));
+    let mut filter = Slam::new(entry.mapper(&model), &model, Arc::new(noise), options.filter()).map_err(refused)?;
+    let progress = Count::scans(scans.len() as u64);
+    let mapping = Instant::now();
+    let mut away: Vec<Update> = Vec::new();
+    for taken in &scans {
+        away.extend(filter.take(&taken.scan, taken.odometry).filter(|update| update.carried_away));
+        progress.step();
+    }
+    progress.finish();
+    let seconds = mapping.elapsed().as_secs_f64();
+    let bytes = filter.bytes();
+    let outcome = filter.finish();
+    outputs::tell_carried_away(&place, &away);
+    outputs::tell_outside(&place, &outcome, &model.grid)?;
+    let scores = Scores::of(&outcome.trajectory, &scans, &references)?;
+    let told = Told {
+        options,
+        entry,
+        place: &place,
+        scans: &scans,
+        model: &model,
+        outcome: &outcome,
+        scores: &scores,
+        away: &away,
+        references: &references,
+    };
+    outputs::write(&mut staging, &told)?;
+    staging.publish()?;
+    scores.table().print(options.print.format, || outputs::text(&told))?;
+    if options.print.format == Format::Text {
+        note(format_args!(
+            "{} in {:.1} s; {:.1} s of matching and mapping for {:.0} s of the robot, {:.1} MB a particle",
+            out.display(),
+            start.elapsed().as_secs_f64(),
+            seconds,
+            scans.last().map_or(0.0, |last| last.scan.time_s) - scans[0].scan.time_s,
+            bytes.iter().sum::<usize>() as f64 / bytes.len() as f64 / 1e6,
+        ));
+    }
+    Ok(())
+}

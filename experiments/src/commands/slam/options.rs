@@ -1,0 +1,203 @@
+//! Options of `slam`.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use sensor::OdometryNoise;
+use slam::{Options, Weight};
+
+use crate::failure::Failure;
+use crate::figures::Paper;
+use crate::output::args::{
+    FormatOption, Given, PriorOptions, ThreadsOption, count, number, positive, probability, trimmed,
+};
+use crate::worlds::kernels::{LaserOptions, StereoOptions};
+use crate::worlds::reading::FanArgs;
+
+/// Options of `slam`.
+#[derive(Debug, Args)]
+pub struct SlamOptions {
+    /// Log with odometry (CARMEN, or a table with odom_x_m, odom_y_m, odom_theta_rad), or a scene with [odometry]; forms of logs: replay --help
+    #[arg(value_name = "LOG|SCENE")]
+    pub source: PathBuf,
+    /// Ways that the robot may have gone, which are followed at once
+    #[arg(long, value_name = "N", default_value_t = 30, allow_negative_numbers = true, value_parser = count(Options::MOST_PARTICLES as u32))]
+    pub particles: u32,
+    /// Seed of all random numbers
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub seed: u64,
+    /// The mapper that every particle has (see `list`)
+    #[arg(long, value_name = "NAME", default_value = "visibility", value_parser = trimmed)]
+    pub mapper: String,
+    /// What particles are weighed by
+    #[arg(long, value_enum, default_value_t)]
+    pub weight: Weighing,
+    /// What the readings of a scan are worth of as many independent ones, where particles are weighed [default: as fitted for --weight]
+    #[arg(long, value_name = "P", allow_negative_numbers = true, value_parser = power)]
+    pub power: Option<f64>,
+    /// A scan is matched and mapped once the sensor has moved so far, m, or turned by --update-turn
+    #[arg(long, value_name = "M", default_value_t = 0.3, allow_negative_numbers = true, value_parser = positive)]
+    pub update_move: f64,
+    /// As --update-move, for turns, degrees
+    #[arg(long, value_name = "DEG", default_value_t = 17.0, allow_negative_numbers = true, value_parser = positive)]
+    pub update_turn: f64,
+    /// Standard deviations of the odometry: rad per rad turned, rad per m, m per m, m per rad
+    #[arg(long, value_name = "A,B,C,D", allow_hyphen_values = true, value_parser = noise)]
+    pub noise: Option<OdometryNoise>,
+    /// Trajectory that is believed, to be scored against (TUM format, by the log's clock); a scene brings its own
+    #[arg(long, value_name = "FILE")]
+    pub truth: Option<PathBuf>,
+    /// Relations between poses that are believed, to be scored against (Kümmerle et al. 2009)
+    #[arg(long, value_name = "FILE")]
+    pub relations: Option<PathBuf>,
+    /// Layout of a family of scenes
+    #[arg(long, value_name = "N")]
+    pub layout: Option<u64>,
+    /// Side of a cell in metres [default: 0.05, of a scene its own]
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive)]
+    pub grid: Option<f64>,
+    /// The map covers so much round the way by the odometry, m [default: the range of 99 in 100 echoes, and 5 m]
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive)]
+    pub reach: Option<f64>,
+    /// Readings below this are not used, m
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive)]
+    pub min_range: Option<f64>,
+    /// Readings from this on are no echo, m [default: what the log says, else 80]
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive)]
+    pub max_range: Option<f64>,
+    /// Use every N-th scan alone
+    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = count(1_000_000))]
+    pub every: u32,
+    /// Use scans of these times alone, s since the first
+    #[arg(long, value_name = "FROM,TO", allow_hyphen_values = true, value_parser = window)]
+    pub window: Option<[f64; 2]>,
+    /// Share of damaged lines above which the log is refused
+    #[arg(long, value_name = "P", default_value_t = 0.05, allow_negative_numbers = true, value_parser = probability)]
+    pub damaged_share: f64,
+    /// Where the beams go
+    #[command(flatten)]
+    pub fan: FanArgs,
+    /// What the mappers assume before the first reading
+    #[command(flatten)]
+    pub prior: PriorOptions,
+    /// What the mappers know of a laser
+    #[command(flatten)]
+    pub laser: LaserOptions,
+    /// What the mappers know of a stereo camera
+    #[command(flatten)]
+    pub stereo: StereoOptions,
+    /// Folder for trajectory, map, tables and picture, written whole or not at all [default: results/slam- and the log's name]
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// How pictures are made
+    #[command(flatten)]
+    pub paper: Paper,
+    /// How the table is printed
+    #[command(flatten)]
+    pub print: FormatOption,
+    /// How many threads work
+    #[command(flatten)]
+    pub threads: ThreadsOption,
+    /// Which options were given
+    #[arg(skip)]
+    pub given: Given,
+}
+
+/// What particles are weighed by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum Weighing {
+    /// what the particle's map says of the readings
+    Evidence,
+    /// the likelihood field of the surfaces, as GMapping has it
+    #[default]
+    Field,
+}
+
+fn power(text: &str) -> Result<f64, String> {
+    number(text, "above 0, at most 1", |value| value > 0.0 && value <= 1.0)
+}
+
+fn window(text: &str) -> Result<[f64; 2], String> {
+    match numbers(text)[..] {
+        [from, to] if from < to => Ok([from, to]),
+        _ => Err("must be two numbers of seconds that rise, such as 60,120".to_owned()),
+    }
+}
+
+fn noise(text: &str) -> Result<OdometryNoise, String> {
+    let bound = "must be four numbers, 0 or more, such as 0.056,0.017,0.1,0.01";
+    match numbers(text)[..] {
+        [rad_per_rad, rad_per_m, m_per_m, m_per_rad] => {
+            let noise = OdometryNoise { rad_per_rad, rad_per_m, m_per_m, m_per_rad };
+            noise.check().map(|()| noise).map_err(|error| format!("{bound}: {error}"))
+        }
+        _ => Err(bound.to_owned()),
+    }
+}
+
+/// The finite numbers of a list; none where a part is no such number.
+fn numbers(text: &str) -> Vec<f64> {
+    let parts: Option<Vec<f64>> =
+        text.split(',').map(|part| part.trim().parse().ok().filter(|value: &f64| value.is_finite())).collect();
+    parts.unwrap_or_default()
+}
+
+impl SlamOptions {
+    /// How the filter works.
+    pub(super) fn filter(&self) -> Options {
+        let weight = match (self.weight, self.power) {
+            (Weighing::Field, power) => Weight::Field { power: power.unwrap_or(Weight::FIELD.power()) },
+            (Weighing::Evidence, power) => {
+                Weight::Evidence { beams: Weight::BEAMS, power: power.unwrap_or(Weight::EVIDENCE.power()) }
+            }
+        };
+        Options {
+            particles: self.particles as usize,
+            seed: self.seed,
+            weight,
+            update_move_m: self.update_move,
+            update_turn_rad: self.update_turn.to_radians(),
+            ..Options::default()
+        }
+    }
+
+    /// How far the odometry is off.
+    pub(super) fn noise(&self) -> Result<OdometryNoise, Failure> {
+        Ok(self.noise.unwrap_or(OdometryNoise::STANDARD))
+    }
+
+    /// How a log is read.
+    pub(super) fn reading(&self) -> logs::Options {
+        logs::Options {
+            min_range_m: self.min_range.unwrap_or(0.0),
+            max_range_m: self.max_range,
+            max_disparity_px: Some(self.stereo.max_disparity),
+            fan: self.fan.fan(),
+            every: u64::from(self.every),
+            window_s: self.window.map(|[from, to]| from..to),
+            damaged_share: self.damaged_share,
+            ..logs::Options::default()
+        }
+    }
+
+    /// Where the files go.
+    pub(super) fn out(&self, place: &str) -> PathBuf {
+        let name = Path::new(place).file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let stem = name.trim_end_matches(".bz2").trim_end_matches(".gz");
+        let stem = stem.rsplit_once('.').map_or(stem, |(stem, _)| stem);
+        self.out.clone().unwrap_or_else(|| Path::new("results").join(format!("slam-{stem}")))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lists_of_numbers_are_whole_or_refused() {
+        assert_eq!(window("1, 2.5"), Ok([1.0, 2.5]));
+        assert!(["2,1", "1", "1,2,3", "a,b", "1,inf"].iter().all(|text| window(text).is_err()));
+        assert!(noise("0,0,0,0").is_ok_and(|noise| noise == OdometryNoise::NONE));
+        assert!(["1,2,3", "1,2,3,-1", "1,2,3,NaN", ""].iter().all(|text| noise(text).is_err()));
+    }
+}

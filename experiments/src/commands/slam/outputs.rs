@@ -1,0 +1,210 @@
+//! The files that `slam` leaves behind, and what it prints.
+
+use grid::{GridSpec, Raster};
+use mapper::Model;
+use mapper::catalogue::Entry;
+use sensor::{Pose, Scan};
+use serde_json::{Value, json};
+use slam::{Outcome, Update};
+
+use super::figure::{self, Ways};
+use super::options::{SlamOptions, Weighing};
+use super::scores::{References, Scores};
+use super::source::Taken;
+use crate::failure::Failure;
+use crate::figures::Paper;
+use crate::output;
+use crate::output::folder::Staging;
+use crate::output::note;
+use crate::output::record::Record;
+use crate::output::table::{Table, aligned, optional, rounded};
+use crate::worlds::seen::{Reach, Seen};
+
+/// Round what was seen, cells.
+const MARGIN: usize = 10;
+
+/// All that there is to tell.
+pub(super) struct Told<'a> {
+    pub(super) options: &'a SlamOptions,
+    pub(super) entry: &'a Entry,
+    pub(super) place: &'a str,
+    pub(super) scans: &'a [Taken],
+    pub(super) model: &'a Model,
+    pub(super) outcome: &'a Outcome,
+    pub(super) scores: &'a Scores,
+    pub(super) away: &'a [Update],
+    pub(super) references: &'a References,
+}
+
+/// Every file that may come of it, beside the record.
+pub(super) fn names(paper: &Paper) -> Vec<String> {
+    let fixed = ["trajectory.txt", "metrics.csv", "updates.csv"].map(str::to_owned);
+    fixed.into_iter().chain(output::map::names("map")).chain(paper.files(&["trajectory.png"])).collect()
+}
+
+/// Writes everything.
+pub(super) fn write(staging: &mut Staging, told: &Told) -> Result<(), Failure> {
+    staging.write("trajectory.txt", |out| trajectory(told, out))?;
+    told.scores.table().save(staging, "metrics.csv")?;
+    updates(&told.outcome.updates).save(staging, "updates.csv")?;
+    let (map, seen) = cropped(told);
+    output::map::write(staging, "map", &map, &seen)?;
+    let places = |poses: &mut dyn Iterator<Item = Pose>| poses.map(|pose| pose.position_m()).collect::<Vec<_>>();
+    let found = places(&mut told.outcome.trajectory.iter().map(|(_, pose)| *pose));
+    let odometry = places(&mut told.scans.iter().map(|taken| taken.odometry));
+    let truth = told.references.truth.as_deref().unwrap_or_default();
+    let truth: Vec<[f64; 2]> = truth.iter().map(|stamped| [stamped.pose.x_m, stamped.pose.y_m]).collect();
+    let ways = Ways { found: &found, odometry: &odometry, truth: &truth };
+    let drawing = figure::draw(&map, &seen, told.model.prior.marginal(), &ways, &told.options.paper);
+    told.options.paper.save(staging, "trajectory.png", &drawing)?;
+    let away: Vec<f64> = told.away.iter().map(|update| update.time_s).collect();
+    let findings = json!({ "carried_away_s": away, "relations_left_out": told.scores.left_out });
+    let mut parts = json!({ "configuration": configuration(told), "grid": told.model.grid, "findings": findings });
+    if let Some(pictures) = told.options.paper.asked() {
+        parts["pictures"] = json!(pictures);
+    }
+    staging.record(&Record::new("slam", parts))
+}
+
+/// A row for every scan: time by the log's clock, s, place, m, and a quaternion.
+fn trajectory(told: &Told, out: &mut impl std::io::Write) -> std::io::Result<()> {
+    for (taken, (_, pose)) in told.scans.iter().zip(&told.outcome.trajectory) {
+        let (sin, cos) = libm::sincos(0.5 * pose.theta_rad);
+        writeln!(out, "{:.6} {:.6} {:.6} 0 0 0 {sin:.9} {cos:.9}", taken.clock_s, pose.x_m, pose.y_m)?;
+    }
+    Ok(())
+}
+
+fn updates(updates: &[Update]) -> Table {
+    Table::of(
+        updates,
+        &[
+            ("time_s", &|row| rounded(row.time_s)),
+            ("effective", &|row| rounded(row.effective)),
+            ("resampled", &|row| json!(row.resampled)),
+            ("spread_m", &|row| rounded(row.spread_m)),
+            ("matched", &|row| rounded(row.matched)),
+            ("gain_nats_per_reading", &|row| optional(row.gain)),
+            ("carried_away", &|row| json!(row.carried_away)),
+        ],
+    )
+}
+
+/// The map round what was seen of it, and which cells were.
+fn cropped(told: &Told) -> (Raster<f64>, Raster<bool>) {
+    let spec = told.model.grid;
+    let mut seen = Seen::new(spec, Reach::Median);
+    let mut updates = told.outcome.updates.iter().map(|update| update.time_s).peekable();
+    for (taken, (time_s, pose)) in told.scans.iter().zip(&told.outcome.trajectory) {
+        if updates.next_if(|update| update.total_cmp(time_s).is_eq()).is_some() {
+            let scan = Scan { pose: *pose, ..taken.scan.clone() };
+            seen.add(&scan, &**told.model.sensors.of(&scan));
+        }
+    }
+    let seen = seen.cells;
+    let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
+    for cell in (0..spec.cells()).filter(|cell| seen[*cell]) {
+        let (column, row) = spec.column_row(cell);
+        low = [low[0].min(column), low[1].min(row)];
+        high = [high[0].max(column), high[1].max(row)];
+    }
+    if low[0] > high[0] {
+        (low, high) = ([0; 2], [spec.width - 1, spec.height - 1]);
+    }
+    let from = low.map(|index| index.saturating_sub(MARGIN));
+    let until = [(high[0] + MARGIN + 1).min(spec.width), (high[1] + MARGIN + 1).min(spec.height)];
+    let window = GridSpec {
+        origin_m: [0, 1].map(|k| spec.origin_m[k] + spec.cell_m * from[k] as f64),
+        width: until[0] - from[0],
+        height: until[1] - from[1],
+        ..spec
+    };
+    let there = |cell: usize| {
+        let (column, row) = window.column_row(cell);
+        (row + from[1]) * spec.width + column + from[0]
+    };
+    let map = (0..window.cells()).map(|cell| told.outcome.map.occupied(there(cell))).collect();
+    let known = (0..window.cells()).map(|cell| seen[there(cell)]).collect();
+    (Raster::new(window, map), Raster::new(window, known))
+}
+
+/// What the results were made from.
+fn configuration(told: &Told) -> Value {
+    let options = told.options;
+    let filter = options.filter();
+    let name = |path: &Option<std::path::PathBuf>| path.as_ref().map(|path| path.display().to_string());
+    let weight = match options.weight {
+        Weighing::Evidence => "evidence",
+        Weighing::Field => "field",
+    };
+    let noise = options.noise().unwrap_or(sensor::OdometryNoise::STANDARD);
+    json!({
+        "source": told.place,
+        "mapper": told.entry.name,
+        "particles": filter.particles,
+        "seed": filter.seed,
+        "weight": weight,
+        "power": filter.weight.power(),
+        "update_move_m": filter.update_move_m,
+        "update_turn_deg": options.update_turn,
+        "noise": noise,
+        "truth": name(&options.truth),
+        "relations": name(&options.relations),
+        "layout": options.layout,
+        "reach_m": options.reach,
+        "min_range_m": options.min_range,
+        "given_max_range_m": options.max_range,
+        "every": options.every,
+        "window_s": options.window,
+        "damaged_share": options.damaged_share,
+        "fan": {"fov_deg": options.fan.fov, "first_bearing_deg": options.fan.first_bearing, "increment_deg": options.fan.increment},
+        "prior": told.model.prior,
+        "reconciliation": told.model.reconciliation,
+    })
+}
+
+/// Says where the robot was carried away.
+pub(super) fn tell_carried_away(place: &str, away: &[Update]) {
+    for update in away {
+        note(format_args!(
+            "warning: {place}: at {:.1} s the robot is not where its map says: the map predicts the scans worse than no map would; was it \
+             carried away, or did its wheels slip?",
+            update.time_s
+        ));
+    }
+}
+
+/// Refuses a way that leaves the map: what lies there was neither matched nor mapped.
+pub(super) fn tell_outside(place: &str, outcome: &Outcome, grid: &GridSpec) -> Result<(), Failure> {
+    match outcome.trajectory.iter().find(|(_, pose)| grid.locate(pose.position_m()).is_none()) {
+        None => Ok(()),
+        Some((time_s, pose)) => Err(Failure::BadInput(format!(
+            "{place}: at {time_s:.1} s the way leaves the map, at ({:.1}, {:.1}) m; make the map larger with --reach",
+            pose.x_m, pose.y_m
+        ))),
+    }
+}
+
+/// What the terminal shows.
+pub(super) fn text(told: &Told) -> String {
+    let updates = &told.outcome.updates;
+    let resampled = updates.iter().filter(|update| update.resampled).count();
+    let effective = updates.iter().map(|update| update.effective).sum::<f64>() / updates.len() as f64;
+    let mut text = format!(
+        "slam of {}\n{} scans, {} of them matched and mapped by {} particles of {}; N_eff {effective:.1} on average, resampled {resampled} times\n",
+        told.place,
+        told.scans.len(),
+        updates.len(),
+        told.options.particles,
+        told.entry.name,
+    );
+    let table = told.scores.table();
+    if !table.rows().is_empty() {
+        text.push('\n');
+        text.push_str(&aligned(table.columns(), &table.fields()));
+    }
+    if told.scores.left_out > 0 {
+        text.push_str(&format!("{} relations have no scan at their times\n", told.scores.left_out));
+    }
+    text
+}

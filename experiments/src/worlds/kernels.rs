@@ -1,0 +1,66 @@
+//! What mappers know of the sensor that took a log.
+
+use std::sync::Arc;
+
+use clap::Args;
+use logs::Sensor;
+use sensor::{Laser, SensorModel, Stereo};
+
+use crate::failure::Failure;
+use crate::output::args::{positive, probability};
+
+/// A sensor that mappers share.
+pub type Shared = Arc<dyn SensorModel>;
+
+/// The kernel of a laser.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct LaserOptions {
+    /// Standard deviation of an echo, m
+    #[arg(long, help_heading = "Laser", value_name = "M", default_value_t = Laser::default().range_sigma_m, allow_negative_numbers = true, value_parser = positive)]
+    pub range_sigma: f64,
+    /// Probability that a pulse is reflected by the first obstacle on the map
+    #[arg(long, help_heading = "Laser", value_name = "P", default_value_t = Laser::default().hit, allow_negative_numbers = true, value_parser = probability)]
+    pub hit: f64,
+    /// Probability that a pulse is lost; what this and --hit leave of one are outliers
+    #[arg(long, help_heading = "Laser", value_name = "P", default_value_t = Laser::default().no_echo, allow_negative_numbers = true, value_parser = probability)]
+    pub no_echo: f64,
+    /// Things on no map that stand in a metre of beam, 1/m
+    #[arg(long, help_heading = "Laser", value_name = "RATE", default_value_t = Laser::default().early_per_m, allow_negative_numbers = true, value_parser = probability)]
+    pub early: f64,
+}
+
+/// The kernel of a stereo camera.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct StereoOptions {
+    /// Focal length times baseline, px·m
+    #[arg(long, help_heading = "Stereo camera", value_name = "PX·M", default_value_t = Stereo::default().focal_baseline, allow_negative_numbers = true, value_parser = positive)]
+    pub focal_baseline: f64,
+    /// Standard deviation of a correct disparity, px
+    #[arg(long, help_heading = "Stereo camera", value_name = "PX", default_value_t = Stereo::default().disparity_sigma, allow_negative_numbers = true, value_parser = positive)]
+    pub disparity_sigma: f64,
+    /// Probability of a correct match
+    #[arg(long, help_heading = "Stereo camera", value_name = "P", default_value_t = Stereo::default().correct_match, allow_negative_numbers = true, value_parser = probability)]
+    pub correct_match: f64,
+    /// Largest disparity searched, px
+    #[arg(long, help_heading = "Stereo camera", value_name = "PX", default_value_t = Stereo::default().max_disparity, allow_negative_numbers = true, value_parser = positive)]
+    pub max_disparity: f64,
+}
+
+/// The model of the sensor that took a log.
+///
+/// # Errors
+/// A laser that makes no sense.
+pub fn sensor(place: &str, sensor: Sensor, (laser, stereo): (LaserOptions, StereoOptions)) -> Result<Shared, Failure> {
+    match sensor {
+        Sensor::Laser { max_range_m, .. } => {
+            let LaserOptions { range_sigma, hit, no_echo, early } = laser;
+            let laser = Laser { range_sigma_m: range_sigma, max_range_m, hit, no_echo, early_per_m: early };
+            laser.validate().map_err(|error| Failure::BadInput(format!("{place}: {error}")))?;
+            Ok(Arc::new(laser))
+        }
+        Sensor::Stereo => {
+            let StereoOptions { focal_baseline, disparity_sigma, correct_match, max_disparity } = stereo;
+            Ok(Arc::new(Stereo { focal_baseline, disparity_sigma, correct_match, max_disparity }))
+        }
+    }
+}
