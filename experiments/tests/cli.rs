@@ -369,9 +369,19 @@ fn list_names_experiments_mappers_and_scenes() {
 #[test]
 fn the_shipped_scenes_are_valid() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    for scene in
-        ["room", "uma", "clutter", "closets", "corridors", "halls", "two-rooms", "corridor-people", "office-visits"]
-            .map(|name| format!("scenes/{name}.toml"))
+    for scene in [
+        "room",
+        "uma",
+        "clutter",
+        "closets",
+        "corridors",
+        "halls",
+        "two-rooms",
+        "corridor-people",
+        "office-visits",
+        "waiting-people",
+    ]
+    .map(|name| format!("scenes/{name}.toml"))
     {
         let mut command = Command::cargo_bin("experiments").expect("built");
         command.current_dir(&root).args(["check", &scene]).assert().success();

@@ -296,6 +296,19 @@ fn compare_judges_what_moves_under_the_condition_people() {
     }
     assert!(read("scores-prior.csv").lines().any(|line| line.starts_with("people,nook,20001,prior,occupied-now,")));
     assert!(read("summary.md").contains("## What becomes of what moves"));
+    // Beside the same worlds at rest, on the same cells.
+    assert!(out.contains("Static accuracy among people and in the same worlds at rest"), "{out}");
+    let rested = read("at-rest.csv");
+    let mut reader = csv::Reader::from_reader(rested.as_bytes());
+    let rows: Vec<csv::StringRecord> = reader.records().map(|row| row.expect("a row")).collect();
+    assert_eq!(rows.iter().map(|row| &row[0]).collect::<Vec<_>>(), ["visibility", "prior"]);
+    for row in &rows {
+        let [moving, rest, less, low, high] = [2, 3, 4, 5, 6].map(|k| row[k].parse::<f64>().expect("a number"));
+        assert!((less - 100.0 * (rest - moving)).abs() < 1e-3 && low <= less && less <= high, "{row:?}");
+        // The prior says the same of every cell, whoever walks by.
+        assert!(&row[0] != "prior" || less.abs() < 1e-9, "{row:?}");
+        assert!(less.abs() < 5.0, "{row:?}");
+    }
     run(folder.path(), 0, &["report", "o", "--out", "again.html"]);
 }
 

@@ -65,7 +65,8 @@ fn root() -> PathBuf {
 /// The files that come with the program, of a kind; with a scene that has everything.
 fn shipped(kind: &str) -> Vec<String> {
     let text = |path: &str| fs::read_to_string(root().join(path)).expect("readable");
-    let scenes = ["room", "uma", "corridor-people", "office-visits"].map(|name| format!("scenes/{name}.toml"));
+    let scenes =
+        ["room", "uma", "corridor-people", "office-visits", "waiting-people"].map(|name| format!("scenes/{name}.toml"));
     let families = ["closets", "clutter", "corridors", "halls", "two-rooms"].map(|name| format!("scenes/{name}.toml"));
     match kind {
         "scene" => {

@@ -1,7 +1,8 @@
-//! Trajectories in the TUM format and its relatives.
+//! Trajectories in the TUM format and its relatives, and relations, which are lines of eight numbers too.
 
 use std::f64::consts::TAU;
 
+use logs::trajectory::relations;
 use logs::{Body, Log, Options, Trajectory};
 use sensor::Pose;
 
@@ -11,6 +12,13 @@ const PLACE: &str = "a.tum";
 
 /// Poses are numbers, exist in the time span alone, come back when they are written, and place the scans of a log.
 pub fn trajectory(data: &[u8]) {
+    match relations::read(data, PLACE) {
+        Ok(found) => {
+            let numbers = |r: &relations::Relation| [r.from_s, r.to_s, r.motion.x_m, r.motion.y_m, r.motion.theta_rad];
+            assert!(found.iter().flat_map(numbers).all(f64::is_finite));
+        }
+        Err(error) => message::check(&error, PLACE),
+    }
     let found = match Trajectory::read(data, PLACE) {
         Ok(found) => found,
         Err(error) => return message::check(&error, PLACE),

@@ -5,6 +5,7 @@
 
 mod again;
 mod answer;
+mod at_rest;
 mod board;
 pub mod claims;
 pub mod document;
@@ -132,7 +133,10 @@ fn map_worlds(plan: &Plan, out: &Path, configuration: &str) -> Result<Vec<WorldS
         let world = match journal.read(job) {
             Some(world) => world,
             None => {
-                let world = job.run(&plan.site(job)?, &plan.mappers)?;
+                let site = plan.site(job)?;
+                let trial = job.trial(&site, &plan.mappers)?;
+                let at_rest = at_rest::of(plan, job, &site.ground, &trial)?;
+                let world = WorldScores { at_rest, ..job.score(&site.ground, &trial)? };
                 journal.keep(&world)?;
                 world
             }

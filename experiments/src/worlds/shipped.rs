@@ -18,6 +18,7 @@ pub const FILES: Brought = files![
     "scenes/room.toml",
     "scenes/two-rooms.toml",
     "scenes/uma.toml",
+    "scenes/waiting-people.toml",
     "scenes/logs/aces.clf.bz2",
     "scenes/maps/UMA_236_237.pgm",
     "scenes/maps/UMA_236_237.yaml",

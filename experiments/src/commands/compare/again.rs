@@ -72,6 +72,7 @@ pub fn page(folder: &Folder, record: &Value) -> Result<String, Failure> {
         means: table(folder, "summary.csv")?,
         differences: table(folder, "differences.csv")?,
         repeats: if plan.repeats.is_empty() { Vec::new() } else { table(folder, "repeats.csv")? },
+        at_rest: if has(record, "at-rest.csv") { table(folder, "at-rest.csv")? } else { Vec::new() },
     };
     let pictures = folder.pictures(record, &CAPTIONS)?;
     let scores: Vec<Vec<_>> =
@@ -110,6 +111,11 @@ fn plan(folder: &Folder, made: Configuration) -> Result<Plan, Failure> {
         repeated_scans: made.repeated_scans,
         ..Plan::new(&options)?
     })
+}
+
+/// Whether the record lists a file.
+fn has(record: &Value, name: &str) -> bool {
+    record["files"].as_array().is_some_and(|files| files.iter().any(|file| file["name"] == name))
 }
 
 fn table<T: serde::de::DeserializeOwned>(folder: &Folder, name: &str) -> Result<Vec<T>, Failure> {

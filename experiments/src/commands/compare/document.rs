@@ -6,6 +6,7 @@ use score::{MovingRegion, Region};
 use serde_json::Value;
 
 use super::answer::answer;
+use super::at_rest;
 use super::figures::CAPTIONS;
 use super::plan::Plan;
 use super::repeats::Readings;
@@ -54,6 +55,7 @@ pub fn sections(plan: &Plan, rows: &Rows, pictures: &[Picture]) -> Vec<Section> 
             let region = MovingRegion::Swept.name();
             parts.push(Part::Sheet(sheets::differences(rows, &mappers, ALL, region, metric, Width::Page)));
         }
+        parts.extend(at_rest::sheet(&rows.at_rest, Width::Page).map(Part::Sheet));
         sections.insert(1, section("What becomes of what moves", MOVED, parts));
     }
     if !rows.repeats.is_empty() {

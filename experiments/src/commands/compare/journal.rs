@@ -99,7 +99,7 @@ mod tests {
             looks: Vec::new(),
             fault: None,
         };
-        WorldScores { job, maps: vec![map] }
+        WorldScores { job, maps: vec![map], at_rest: Vec::new() }
     }
 
     #[test]

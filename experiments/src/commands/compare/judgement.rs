@@ -164,7 +164,7 @@ mod tests {
             let family = ["f", "g"][k % 2].to_owned();
             let world = WorldId { family, condition: "as-believed".to_owned(), cell_um: None, seed: k as u64 };
             let job = WorldJob { world, batch: true };
-            WorldScores { job, maps: vec![map("visibility", *ours), map("rival", *theirs)] }
+            WorldScores { job, maps: vec![map("visibility", *ours), map("rival", *theirs)], at_rest: Vec::new() }
         };
         values.iter().enumerate().map(world).collect()
     }

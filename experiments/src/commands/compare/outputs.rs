@@ -5,6 +5,7 @@ use std::io::Write as _;
 use mapper::{Prior, Reconciliation};
 use serde::Serialize;
 
+use super::at_rest;
 use super::findings::Findings;
 use super::plan::{Plan, REFERENCE};
 use super::rows::{self, Rows};
@@ -80,6 +81,7 @@ pub fn rows(plan: &Plan, findings: &Findings) -> Result<Rows, Failure> {
         means: rows::of(&tables::summary(&findings.worlds, &findings.scopes, &plan.names()))?,
         differences: rows::of(&tables::differences(&findings.judgements, REFERENCE))?,
         repeats: rows::of(&tables::repeats(&findings.repeated))?,
+        at_rest: rows::of(&tables::at_rest(&at_rest::rows(&findings.worlds, &plan.names())))?,
     })
 }
 
@@ -94,7 +96,8 @@ pub fn names(plan: &Plan, paper: &Paper) -> Vec<String> {
     paper.files(&FILES).into_iter().chain(plan.names().into_iter().map(scores_of)).chain(kept).collect()
 }
 
-const FILES: [&str; 11] = [
+const FILES: [&str; 12] = [
+    "at-rest.csv",
     "summary.csv",
     "differences.csv",
     "reliability.csv",
@@ -131,6 +134,9 @@ pub fn write(
     csv("profiles.csv", tables::profiles(worlds, scopes, &names))?;
     if !repeated.is_empty() {
         csv("repeats.csv", tables::repeats(repeated))?;
+    }
+    if !rows.at_rest.is_empty() {
+        csv("at-rest.csv", tables::at_rest(&rows.at_rest))?;
     }
     let pictures = document::pictures(|name| {
         let drawing = match name {

@@ -54,6 +54,19 @@ pub struct Repeat {
     pub retention: Option<f64>,
 }
 
+/// A row of `at-rest.csv`.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[expect(missing_docs, reason = "the names are those of the columns")]
+pub struct Rested {
+    pub mapper: String,
+    pub worlds: usize,
+    pub static_accuracy: f64,
+    pub at_rest: f64,
+    pub points_less: f64,
+    pub low: Option<f64>,
+    pub high: Option<f64>,
+}
+
 /// The tables that are shown.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Rows {
@@ -63,6 +76,8 @@ pub struct Rows {
     pub differences: Vec<Difference>,
     /// `repeats.csv`; empty where nothing was repeated.
     pub repeats: Vec<Repeat>,
+    /// `at-rest.csv`; empty where nobody walks.
+    pub at_rest: Vec<Rested>,
 }
 
 impl Difference {

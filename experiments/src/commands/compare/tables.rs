@@ -5,6 +5,7 @@ use serde_json::json;
 
 use super::judgement::{Judgement, Scope};
 use super::repeats::Repeated;
+use super::rows::Rested;
 use super::world::{ErrorSum, MapScores, WorldScores, judged_in};
 use crate::output::table::{Table, optional, rounded};
 use crate::worlds::criteria::Criterion;
@@ -12,7 +13,7 @@ use crate::worlds::criteria::Criterion;
 /// Every metric of a mapper in every world and region: a row each, a column per metric.
 pub fn scores(worlds: &[WorldScores], mapper: &str) -> Table {
     let mut rows = Vec::new();
-    for WorldScores { job, maps } in worlds {
+    for WorldScores { job, maps, .. } in worlds {
         let own = maps.iter().filter(|map| map.mapper == mapper);
         let regions = own.flat_map(|map| map.regions.iter().map(move |scores| (map, scores)));
         rows.extend(regions.map(|(map, scores)| (&job.world, &map.mapper, scores, &map.fault)));
@@ -190,6 +191,22 @@ pub fn pooled_errors(worlds: &[WorldScores], scope: &Scope, mapper: &str, of: Pr
 /// The scores of a mapper in the worlds of a scope.
 pub fn maps<'a>(worlds: &'a [WorldScores], scope: &'a Scope, mapper: &'a str) -> impl Iterator<Item = &'a MapScores> {
     scope.worlds.iter().filter_map(move |&world| worlds[world].maps.iter().find(|map| map.mapper == mapper))
+}
+
+/// Static accuracy beside the same worlds at rest.
+pub fn at_rest(rows: &[Rested]) -> Table {
+    Table::of(
+        rows,
+        &[
+            ("mapper", &|r| json!(r.mapper)),
+            ("worlds", &|r| json!(r.worlds)),
+            ("static_accuracy", &|r| rounded(r.static_accuracy)),
+            ("at_rest", &|r| rounded(r.at_rest)),
+            ("points_less", &|r| rounded(r.points_less)),
+            ("low", &|r| optional(r.low)),
+            ("high", &|r| optional(r.high)),
+        ],
+    )
 }
 
 /// The same scan, again and again.

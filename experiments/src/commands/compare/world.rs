@@ -30,6 +30,22 @@ pub struct WorldScores {
     pub job: WorldJob,
     /// One per mapper that ran on it, in the order asked for.
     pub maps: Vec<MapScores>,
+    /// How they fare in the same world at rest, of the condition people.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub at_rest: Vec<AtRest>,
+}
+
+/// How many cells a mapper holds right in a world that moves, and in the same world at rest.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AtRest {
+    /// Its name.
+    pub mapper: String,
+    /// The cells that are judged: static where people walk, and seen at rest.
+    pub cells: usize,
+    /// Those held right where people walk: p > 0.5 where occupied, p < 0.5 where free.
+    pub moving: usize,
+    /// Those held right at rest.
+    pub rest: usize,
 }
 
 /// The scores of a map at the end of the drive.
@@ -92,17 +108,16 @@ impl WorldJob {
         mappers.iter().copied().filter(|entry| self.batch || entry.kind != Kind::Batch).collect()
     }
 
-    /// Maps and scores the world, which is built.
+    /// Maps the world, which is built.
     ///
     /// # Errors
     /// A mapper that gives something else than probabilities.
-    pub fn run(&self, site: &Site, mappers: &[&'static Entry]) -> Result<WorldScores, Failure> {
+    pub fn trial(&self, site: &Site, mappers: &[&'static Entry]) -> Result<Trial, Failure> {
         let Site { ground, setup } = site;
-        let trial = ground.trial(self.world.seed, &self.mappers(mappers), setup, &Keep::default(), &|_, _| {})?;
-        self.score(ground, &trial)
+        ground.trial(self.world.seed, &self.mappers(mappers), setup, &Keep::default(), &|_, _| {})
     }
 
-    /// The scores of a finished trial.
+    /// The scores of a finished trial; of the same world at rest, none yet.
     ///
     /// # Errors
     /// A mapper that gives something else than probabilities.
@@ -131,7 +146,8 @@ impl WorldJob {
                 fault: None,
             })
         };
-        Ok(WorldScores { job: self.clone(), maps: trial.runs.iter().map(score).collect::<Result<_, _>>()? })
+        let maps = trial.runs.iter().map(score).collect::<Result<_, _>>()?;
+        Ok(WorldScores { job: self.clone(), maps, at_rest: Vec::new() })
     }
 }
 
