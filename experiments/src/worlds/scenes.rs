@@ -65,7 +65,7 @@ pub fn or_file(path: &Path) -> (PathBuf, bool) {
         return (path.to_owned(), true);
     }
     let scene = named(path.to_owned(), SCENES);
-    let known = !path.exists() && (strict::is_file(&scene));
+    let known = !path.exists() && scene != path && strict::is_file(&scene);
     if known { (scene, true) } else { (path.to_owned(), false) }
 }
 
@@ -119,5 +119,12 @@ mod tests {
         assert_eq!(named("./two-rooms".into(), SCENES), Path::new("./two-rooms"));
         assert_eq!(named("Cargo".into(), SCENES), Path::new("Cargo.toml"), "one of the working folder goes before");
         assert_eq!(named("src".into(), SCENES), Path::new("src"), "a folder is named, and refused as one");
+    }
+
+    #[test]
+    fn what_is_no_scene_is_a_file() {
+        let is_scene = |path: &str| or_file(Path::new(path)).1;
+        assert!(is_scene("mine.toml") && !is_scene("robot.log") && !is_scene("robot"));
+        assert!(!is_scene("scenes/logs/aces.clf.bz2"), "a log that comes with the program");
     }
 }
