@@ -17,7 +17,7 @@ use crate::worlds::reading::FanArgs;
 /// Options of `slam`.
 #[derive(Debug, Args)]
 pub struct SlamOptions {
-    /// Log with odometry (CARMEN, or a table with odom_x_m, odom_y_m, odom_theta_rad), or a scene with [odometry]; forms of logs: replay --help
+    /// Log with odometry (CARMEN, or a table with odom_x_m, odom_y_m, odom_theta_rad), or a scene that has odometry; forms of logs: replay --help
     #[arg(value_name = "LOG|SCENE")]
     pub source: PathBuf,
     /// Ways that the robot may have gone, which are followed at once
