@@ -34,7 +34,7 @@ pub fn run(options: &SlamOptions) -> Result<(), Failure> {
     let start = Instant::now();
     interruption::watch();
     threads::limit(options.threads.count)?;
-    let noise = options.noise()?;
+    let noise = options.noise();
     let entry = entries(std::slice::from_ref(&options.mapper), &Default::default())?[0];
     let Source { place, scans, model, truth, report, .. } = Source::of(options)?;
     if let Some((report, sensor)) = &report {

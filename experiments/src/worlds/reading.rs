@@ -1,10 +1,25 @@
 //! Options for reading a log, and what is to be known of one that was read.
 
+use std::path::Path;
+
 use clap::Args;
 use logs::{FanOptions, Finding, Report, Sensor};
 
 use crate::output::args::{Given, number};
 use crate::output::note;
+
+/// Share of damaged lines above which a log is refused.
+pub const DAMAGED_SHARE: f64 = 0.05;
+
+/// The name of a log without the extensions that say its form.
+pub fn stem(log: &Path) -> String {
+    let name = Path::new(log.file_name().unwrap_or_default());
+    let packed =
+        ["gz", "bz2", "xz", "zst"].iter().any(|known| name.extension().is_some_and(|e| e.eq_ignore_ascii_case(known)));
+    let name = if packed { Path::new(name.file_stem().unwrap_or_default()) } else { name };
+    let stem = name.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    if stem.is_empty() { "log".to_owned() } else { stem }
+}
 
 /// Where the beams of a laser go, instead of what its log says or what their number lets guess.
 #[derive(Debug, Clone, Copy, Args)]

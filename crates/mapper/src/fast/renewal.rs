@@ -66,7 +66,7 @@ impl Changes {
     }
 
     /// Before the scan: brings the tiles that it may move to its time.
-    pub(super) fn pass<'a>(&mut self, map: &mut Map, rays: impl Iterator<Item = &'a Ray>) {
+    pub(super) fn pass(&mut self, map: &mut Map, rays: impl Iterator<Item = Ray>) {
         let mut reached = std::mem::take(&mut self.reached);
         reached.renew(&map.numbering, rays);
         self.select(map, reached.tiles().iter().copied());

@@ -159,15 +159,9 @@ impl FastVisibility {
         if let Some(changes) = &mut self.changes {
             let spec = *self.map.numbering.spec();
             let fan = |(sensor, selection): &(Arc<dyn SensorModel>, Selection)| {
-                let width_rad = sensor.width_rad();
-                let fan = |ray: &Ray| cone::fan(ray, width_rad, cone::reach_m(ray, &**sensor, &spec), spec.cell_m);
-                match width_rad > 0.0 {
-                    true => selection.rays().iter().flat_map(fan).collect(),
-                    false => selection.rays().to_vec(),
-                }
+                selection.rays().iter().flat_map(|ray| cone::fan(ray, &**sensor, &spec)).collect::<Vec<Ray>>()
             };
-            let rays: Vec<Vec<Ray>> = selections.iter().map(fan).collect();
-            changes.pass(&mut self.map, rays.iter().flatten());
+            changes.pass(&mut self.map, selections.iter().flat_map(fan));
         }
         let spec = self.map.numbering.spec();
         let others = |(sensor, selection): &(Arc<dyn SensorModel>, Selection)| {

@@ -54,16 +54,18 @@ pub(crate) struct ConeUpdate {
     pub(crate) end_m: f64,
 }
 
-/// The rays along which the cells of a cone about a ray are dealt, those first that are farthest apart: so many that beside each
-/// other they are a cell apart at `reach_m` (m).
-pub(crate) fn fan(ray: &Ray, width_rad: f64, reach_m: f64, cell_m: f64) -> impl Iterator<Item = Ray> + use<> {
-    let parts = (width_rad * reach_m / cell_m).clamp(1.0, f64::from(1u32 << MOST_HALVINGS));
+/// The rays along which the cells of the cone about a ray are dealt, those first that are farthest apart: so many that beside each
+/// other they are a cell apart as far as cells are told apart. The ray itself, of a sensor that looks along it.
+pub(crate) fn fan(ray: &Ray, sensor: &dyn SensorModel, spec: &GridSpec) -> impl Iterator<Item = Ray> + use<> {
+    let (ray, width_rad) = (*ray, sensor.width_rad());
+    let is_cone = width_rad > 0.0;
+    let reach_m = if is_cone { reach_m(&ray, sensor, spec) } else { 0.0 };
+    let parts = (width_rad * reach_m / spec.cell_m).clamp(1.0, f64::from(1u32 << MOST_HALVINGS));
     let halvings = libm::ceil(libm::log2(parts)) as u32;
     // The edges, the axis, and then what is between them.
     let level = |level: u32| (0..1u32 << (level - 1)).map(move |k| f64::from(2 * k + 1) / f64::from(1u32 << level));
     let places = [0.0, 1.0].into_iter().chain((1..=halvings.max(1)).flat_map(level));
-    let ray = *ray;
-    places.map(move |place| {
+    places.take(if is_cone { MOST_CHAINS } else { 1 }).map(move |place| {
         let (sin, cos) = libm::sincos(width_rad * (place - 0.5));
         let [x, y] = ray.direction;
         Ray { direction: [x * cos - y * sin, x * sin + y * cos], ..ray }
@@ -71,7 +73,7 @@ pub(crate) fn fan(ray: &Ray, width_rad: f64, reach_m: f64, cell_m: f64) -> impl 
 }
 
 /// Range up to which the cells of a cone are told apart, m: what lies behind learns nothing from its reading.
-pub(crate) fn reach_m(ray: &Ray, sensor: &dyn SensorModel, spec: &GridSpec) -> f64 {
+fn reach_m(ray: &Ray, sensor: &dyn SensorModel, spec: &GridSpec) -> f64 {
     let diagonal_m = libm::hypot(spec.width as f64, spec.height as f64) * spec.cell_m;
     ray.reading.map_or(0.0, |reading| sensor.constant_from(reading, ray.bearing_rad)).min(diagonal_m)
 }
@@ -116,11 +118,11 @@ impl ConeUpdate {
 
     /// Deals the cells of the cone to chains: each takes those on its ray that lie behind all that were dealt before.
     fn deal(&mut self, ray: &Ray, spec: &GridSpec, sensor: &dyn SensorModel) {
-        let (width_rad, reach_m) = (sensor.width_rad(), reach_m(ray, sensor, spec));
+        let reach_m = reach_m(ray, sensor, spec);
         let mut dealt: HashSet<usize> = HashSet::new();
         let mut strands = std::mem::take(&mut self.strands).into_iter();
         let mut filled = Vec::new();
-        for ray in fan(ray, width_rad, reach_m, spec.cell_m) {
+        for ray in fan(ray, sensor, spec) {
             self.line.trace(spec, ray.origin_m, ray.direction, f64::INFINITY);
             let (cells, ranges) = (self.line.cells(), self.line.ranges());
             let from = cells.iter().rposition(|cell| dealt.contains(cell)).map_or(0, |last| last + 1);

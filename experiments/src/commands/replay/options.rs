@@ -16,13 +16,10 @@ use crate::programs::options::ProgramOptions;
 use crate::worlds::agreement::Spread;
 use crate::worlds::kernels::{self, LaserOptions, Shared, StereoOptions};
 use crate::worlds::ranked::SortOption;
-use crate::worlds::reading::{self, FanArgs};
+use crate::worlds::reading::{self, DAMAGED_SHARE, FanArgs, stem};
 
 /// Mappers where none are named: those that a robot would run, and what knows nothing.
 const MAPPERS: &str = "visibility,conventional,log-odds-octomap,log-odds-cartographer,prior";
-
-/// Share of damaged lines above which a log is refused.
-pub(super) const DAMAGED_SHARE: f64 = 0.05;
 
 /// Angle over which views share their errors, degrees, where none is given: 0.015 rad in four digits.
 pub(super) const REPEAT_DEG: f64 = 0.8594;
@@ -206,16 +203,6 @@ impl ReplayOptions {
     pub(super) fn sensor(&self, sensor: Sensor) -> Result<Shared, Failure> {
         kernels::sensor(&self.log.display().to_string(), sensor, (self.laser, self.stereo))
     }
-}
-
-/// The name of a log without the extensions that say its form.
-fn stem(log: &Path) -> String {
-    let name = Path::new(log.file_name().unwrap_or_default());
-    let packed =
-        ["gz", "bz2", "xz", "zst"].iter().any(|known| name.extension().is_some_and(|e| e.eq_ignore_ascii_case(known)));
-    let name = if packed { Path::new(name.file_stem().unwrap_or_default()) } else { name };
-    let stem = name.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    if stem.is_empty() { "log".to_owned() } else { stem }
 }
 
 const FORMATS: &str = "\

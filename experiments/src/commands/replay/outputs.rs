@@ -14,7 +14,7 @@ use super::along_time;
 use super::extent::Survey;
 use super::figure;
 use super::mapping::Maps;
-use super::options::{Body, DAMAGED_SHARE, REPEAT_DEG, ReplayOptions};
+use super::options::{Body, REPEAT_DEG, ReplayOptions};
 use super::predictions::{Prediction, Predictions};
 use super::recording::Recording;
 use super::viewed;
@@ -234,7 +234,7 @@ fn configuration(told: &Told) -> Value {
         ("given_reach_m", options.reach.map(|reach_m| json!(reach_m))),
         (
             "damaged_share",
-            (options.damaged_share.total_cmp(&DAMAGED_SHARE).is_ne()).then(|| json!(options.damaged_share)),
+            (options.damaged_share.total_cmp(&reading::DAMAGED_SHARE).is_ne()).then(|| json!(options.damaged_share)),
         ),
     ];
     for (key, value) in rare {

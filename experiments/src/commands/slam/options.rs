@@ -6,13 +6,13 @@ use clap::{Args, ValueEnum};
 use sensor::OdometryNoise;
 use slam::{Options, Weight};
 
-use crate::failure::Failure;
 use crate::figures::Paper;
 use crate::output::args::{
     FormatOption, Given, PriorOptions, ThreadsOption, count, number, positive, probability, trimmed,
 };
+use crate::output::folder;
 use crate::worlds::kernels::{LaserOptions, StereoOptions};
-use crate::worlds::reading::FanArgs;
+use crate::worlds::reading::{DAMAGED_SHARE, FanArgs, stem};
 
 /// Options of `slam`.
 #[derive(Debug, Args)]
@@ -72,7 +72,7 @@ pub struct SlamOptions {
     #[arg(long, value_name = "FROM,TO", allow_hyphen_values = true, value_parser = window)]
     pub window: Option<[f64; 2]>,
     /// Share of damaged lines above which the log is refused
-    #[arg(long, value_name = "P", default_value_t = 0.05, allow_negative_numbers = true, value_parser = probability)]
+    #[arg(long, value_name = "P", default_value_t = DAMAGED_SHARE, allow_negative_numbers = true, value_parser = probability)]
     pub damaged_share: f64,
     /// Where the beams go
     #[command(flatten)]
@@ -162,8 +162,8 @@ impl SlamOptions {
     }
 
     /// How far the odometry is off.
-    pub(super) fn noise(&self) -> Result<OdometryNoise, Failure> {
-        Ok(self.noise.unwrap_or(OdometryNoise::STANDARD))
+    pub(super) fn noise(&self) -> OdometryNoise {
+        self.noise.unwrap_or(OdometryNoise::STANDARD)
     }
 
     /// How a log is read.
@@ -180,12 +180,14 @@ impl SlamOptions {
         }
     }
 
-    /// Where the files go.
+    /// Where the files go, of a log or scene at a place.
     pub(super) fn out(&self, place: &str) -> PathBuf {
-        let name = Path::new(place).file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let stem = name.trim_end_matches(".bz2").trim_end_matches(".gz");
-        let stem = stem.rsplit_once('.').map_or(stem, |(stem, _)| stem);
-        self.out.clone().unwrap_or_else(|| Path::new("results").join(format!("slam-{stem}")))
+        let usual = || {
+            let base = Path::new("results").join(format!("slam-{}", stem(Path::new(place))));
+            let source = |record: &serde_json::Value| record["configuration"]["source"].as_str().map(PathBuf::from);
+            folder::for_source(&base, Path::new(place), source)
+        };
+        self.out.clone().unwrap_or_else(usual)
     }
 }
 

@@ -137,7 +137,7 @@ fn configuration(told: &Told) -> Value {
         Weighing::Evidence => "evidence",
         Weighing::Field => "field",
     };
-    let noise = options.noise().unwrap_or(sensor::OdometryNoise::STANDARD);
+    let noise = options.noise();
     json!({
         "source": told.place,
         "mapper": told.entry.name,

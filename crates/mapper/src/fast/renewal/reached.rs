@@ -20,10 +20,10 @@ impl Reached {
     }
 
     /// The tiles of other rays.
-    pub(super) fn renew<'a>(&mut self, numbering: &Numbering, rays: impl Iterator<Item = &'a Ray>) {
+    pub(super) fn renew(&mut self, numbering: &Numbering, rays: impl Iterator<Item = Ray>) {
         self.is_among.resize(numbering.tiles(), false);
         self.tiles.drain(..).for_each(|tile| self.is_among[tile] = false);
-        rays.for_each(|ray| self.cross(numbering, ray));
+        rays.for_each(|ray| self.cross(numbering, &ray));
         for number in 0..self.tiles.len() {
             numbering.beside(self.tiles[number]).into_iter().flatten().for_each(|tile| self.add(tile));
         }
@@ -98,8 +98,8 @@ mod tests {
             };
             let rays: Vec<Ray> = turns.iter().map(ray).collect();
             let mut reached = Reached::default();
-            reached.renew(&numbering, rays[..1].iter());
-            reached.renew(&numbering, rays.iter());
+            reached.renew(&numbering, rays[..1].iter().copied());
+            reached.renew(&numbering, rays.iter().copied());
             let tiles = reached.tiles();
             prop_assert!(tiles.is_sorted() && tiles.iter().all(|tile| *tile < numbering.tiles()));
             for ray in &rays {
