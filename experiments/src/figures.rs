@@ -8,6 +8,7 @@
 pub mod axis;
 mod backend;
 pub mod calibration;
+pub mod cells;
 pub mod chart;
 pub mod drawing;
 mod elements;

@@ -3,6 +3,7 @@
 //! A [`Page`] is a plain value: claims, a [`Viewer`] of the maps, and sections of tables and pictures.
 //! Every command that leaves a report fills one in and hands it to [`page`].
 
+pub mod cloud;
 mod command;
 mod encoding;
 mod folder;
@@ -18,6 +19,7 @@ use askama::Template;
 use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
 
+pub use cloud::Cloud;
 pub use command::command_line;
 pub use encoding::{DecodedMapper, DecodedWorld, decoded};
 pub use folder::Folder;
@@ -52,6 +54,8 @@ pub struct Page {
     pub viewer: Option<Viewer>,
     /// The same as [`viewed`] gives it, of a page that has no viewer of its own.
     pub viewed: Option<String>,
+    /// Particles to follow.
+    pub cloud: Option<Cloud>,
     /// Pictures and tables.
     pub sections: Vec<Section>,
     /// What to type to run it again; empty where that is not known.
@@ -64,6 +68,9 @@ pub struct Page {
 
 /// Sorts tables.
 const TABLES: &str = include_str!("../templates/tables.js");
+
+/// Follows particles.
+const CLOUD: &str = include_str!("../templates/cloud.js");
 
 /// Looks into maps.
 const VIEWER: &str = concat!(
@@ -87,6 +94,7 @@ struct Filled<'a> {
     style: &'static str,
     script: String,
     viewer: Option<String>,
+    cloud: Option<String>,
     glossary: Vec<Term>,
     version: &'static str,
     left_out: bool,
@@ -134,10 +142,11 @@ pub fn page(page: &Page) -> Result<String, Failure> {
         failed: page.claims.iter().filter(|claim| !claim.holds).count(),
         page,
         style: include_str!("../templates/report.css"),
-        script: format!("{TABLES}{}", if viewer.is_some() { VIEWER } else { "" }),
+        script: [TABLES, viewer.as_ref().map_or("", |_| VIEWER), page.cloud.as_ref().map_or("", |_| CLOUD)].concat(),
         glossary: spoken_of(page),
         version: env!("CARGO_PKG_VERSION"),
         viewer,
+        cloud: page.cloud.as_ref().map(Cloud::json),
     };
     filled.render().map_err(Failure::internal)
 }

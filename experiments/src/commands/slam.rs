@@ -1,8 +1,11 @@
 //! `slam`: trajectory and map together, from scans and odometry.
 
+mod along;
+mod document;
 mod figure;
 mod options;
 mod outputs;
+mod returns;
 mod scores;
 mod source;
 
@@ -23,6 +26,7 @@ use crate::jobs::threads;
 use crate::output::args::Format;
 use crate::output::folder::{Purpose, Staging};
 use crate::output::note;
+use crate::page::cloud::Moment;
 use crate::worlds::mappers::entries;
 use crate::worlds::reading;
 
@@ -52,8 +56,13 @@ pub fn run(options: &SlamOptions) -> Result<(), Failure> {
     let progress = Count::scans(scans.len() as u64);
     let mapping = Instant::now();
     let mut away: Vec<Update> = Vec::new();
+    let mut moments: Vec<Moment> = Vec::new();
     for taken in &scans {
-        away.extend(filter.take(&taken.scan, taken.odometry).filter(|update| update.carried_away));
+        if let Some(update) = filter.take(&taken.scan, taken.odometry) {
+            away.extend(Some(update).filter(|update| update.carried_away));
+            let Update { time_s, effective, resampled, .. } = update;
+            moments.push(Moment { time_s, effective, resampled, returned: false, particles: filter.particles() });
+        }
         progress.step();
     }
     progress.finish();
@@ -63,15 +72,20 @@ pub fn run(options: &SlamOptions) -> Result<(), Failure> {
     outputs::tell_carried_away(&place, &away);
     outputs::tell_outside(&place, &outcome, &model.grid)?;
     let scores = Scores::of(&outcome.trajectory, &scans, &references)?;
+    let went: Vec<(f64, [f64; 2])> =
+        outcome.updates.iter().map(|update| (update.time_s, update.pose.position_m())).collect();
     let told = Told {
         options,
         entry,
         place: &place,
         scans: &scans,
         model: &model,
+        sensor: report.as_ref().map(|(_, sensor)| *sensor),
         outcome: &outcome,
         scores: &scores,
         away: &away,
+        moments: &moments,
+        returns: &returns::returns(&went),
         references: &references,
     };
     outputs::write(&mut staging, &told)?;
@@ -87,5 +101,5 @@ pub fn run(options: &SlamOptions) -> Result<(), Failure> {
             bytes.iter().sum::<usize>() as f64 / bytes.len() as f64 / 1e6,
         ));
     }
-    Ok(())
+    scores.hold(&options.at_most)
 }

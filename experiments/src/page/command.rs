@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 use crate::figures::Paper;
 use crate::programs::options::TIMEOUT_S;
 use crate::worlds::drives::DriveOptions;
+use crate::worlds::reading::DAMAGED_SHARE;
 
 /// An option: where its value stands in a record, its name, and the value that need not be typed.
 type Typed = (&'static str, &'static str, Value);
@@ -19,7 +20,8 @@ pub fn command_line(record: &Value) -> String {
         Some("room") => (&[], [room(), assumed(), drives(), pictures()].concat()),
         Some("compare") => (&[], [compare(), assumed(), drives(), pictures()].concat()),
         Some("score") => (&["/configuration/maps"], [score(), drives(), pictures()].concat()),
-        Some("replay") => (&["/configuration/log"], [replay(), assumed(), pictures()].concat()),
+        Some("replay") => (&["/configuration/log"], [replay(), sensor(), assumed(), pictures()].concat()),
+        Some("slam") => (&["/configuration/source"], [slam(), sensor(), assumed(), pictures()].concat()),
         _ => return String::new(),
     };
     let at = |place: &str| record.pointer(place).filter(|value| !value.is_null());
@@ -129,6 +131,12 @@ fn replay() -> Vec<Typed> {
         ("/configuration/repeat_distance_m", "--repeat-distance", Value::Null),
         ("/configuration/repeat_angle_deg", "--repeat-angle", Value::Null),
         ("/configuration/map_range_m", "--map-range", Value::Null),
+    ]
+}
+
+/// Where the beams of a log go, and what mappers know of its sensor.
+fn sensor() -> Vec<Typed> {
+    vec![
         ("/configuration/fan/fov_deg", "--fov", Value::Null),
         ("/configuration/fan/first_bearing_deg", "--first-bearing", Value::Null),
         ("/configuration/fan/increment_deg", "--increment", Value::Null),
@@ -140,6 +148,29 @@ fn replay() -> Vec<Typed> {
         ("/configuration/sensor/disparity_sigma", "--disparity-sigma", json!(Stereo::default().disparity_sigma)),
         ("/configuration/sensor/correct_match", "--correct-match", json!(Stereo::default().correct_match)),
         ("/configuration/sensor/max_disparity", "--max-disparity", json!(Stereo::default().max_disparity)),
+    ]
+}
+
+fn slam() -> Vec<Typed> {
+    vec![
+        ("/configuration/particles", "--particles", json!(30)),
+        ("/configuration/seed", "--seed", json!(1)),
+        ("/configuration/mapper", "--mapper", json!("visibility")),
+        ("/configuration/weight", "--weight", json!("field")),
+        ("/configuration/given_power", "--power", Value::Null),
+        ("/configuration/update_move_m", "--update-move", json!(0.3)),
+        ("/configuration/update_turn_deg", "--update-turn", json!(17.0)),
+        ("/configuration/given_noise", "--noise", Value::Null),
+        ("/configuration/truth", "--truth", Value::Null),
+        ("/configuration/relations", "--relations", Value::Null),
+        ("/configuration/layout", "--layout", Value::Null),
+        ("/configuration/given_grid_m", "--grid", Value::Null),
+        ("/configuration/reach_m", "--reach", Value::Null),
+        ("/configuration/min_range_m", "--min-range", Value::Null),
+        ("/configuration/given_max_range_m", "--max-range", Value::Null),
+        ("/configuration/every", "--every", json!(1)),
+        ("/configuration/window_s", "--window", Value::Null),
+        ("/configuration/damaged_share", "--damaged-share", json!(DAMAGED_SHARE)),
     ]
 }
 

@@ -54,7 +54,7 @@ pub struct Picture {
 
 /// Pictures of the world, whose greys mean something: they are the same on a dark page, in a white frame. Others are
 /// charts, drawn on the page's own ground.
-const MAPS: [&str; 4] = ["errors", "maps", "regions", "scene"];
+const MAPS: [&str; 5] = ["errors", "maps", "regions", "scene", "trajectory"];
 
 impl Picture {
     /// How it is styled.

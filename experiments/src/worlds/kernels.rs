@@ -5,6 +5,7 @@ use std::sync::Arc;
 use clap::Args;
 use logs::Sensor;
 use sensor::{Laser, SensorModel, Stereo};
+use serde_json::{Value, json};
 
 use crate::failure::Failure;
 use crate::output::args::{positive, probability};
@@ -62,5 +63,20 @@ pub fn sensor(place: &str, sensor: Sensor, (laser, stereo): (LaserOptions, Stere
             let StereoOptions { focal_baseline, disparity_sigma, correct_match, max_disparity } = stereo;
             Ok(Arc::new(Stereo { focal_baseline, disparity_sigma, correct_match, max_disparity }))
         }
+    }
+}
+
+/// What the options say of a log's sensor, for the record.
+pub fn record(kind: Sensor, laser: LaserOptions, stereo: StereoOptions) -> Value {
+    let LaserOptions { range_sigma, hit, no_echo, early } = laser;
+    let StereoOptions { focal_baseline, disparity_sigma, correct_match, max_disparity } = stereo;
+    match kind {
+        Sensor::Laser { max_range_m, .. } => json!({
+            "range_sigma_m": range_sigma, "max_range_m": max_range_m, "hit": hit, "no_echo": no_echo, "early_per_m": early,
+        }),
+        Sensor::Stereo => json!({
+            "focal_baseline": focal_baseline, "disparity_sigma": disparity_sigma, "correct_match": correct_match,
+            "max_disparity": max_disparity,
+        }),
     }
 }

@@ -20,6 +20,7 @@ pub const FILES: Brought = files![
     "scenes/uma.toml",
     "scenes/waiting-people.toml",
     "scenes/logs/aces.clf.bz2",
+    "scenes/logs/aces.relations",
     "scenes/maps/UMA_236_237.pgm",
     "scenes/maps/UMA_236_237.yaml",
     "scenes/plans/flat.json",

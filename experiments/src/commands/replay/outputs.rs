@@ -26,7 +26,7 @@ use crate::output::ledger::RECORD;
 use crate::output::record::Record;
 use crate::output::table::Table;
 use crate::page::{self, Page, Part, Picture, Section, Sheet, Viewer};
-use crate::worlds::kernels::{LaserOptions, StereoOptions};
+use crate::worlds::kernels;
 use crate::worlds::ranked::{Head, SortOption, legend};
 use crate::worlds::reading;
 
@@ -188,17 +188,7 @@ pub(super) fn left_out(report: &Report) -> Vec<(&'static str, u64)> {
 /// What the maps were made from.
 fn configuration(told: &Told) -> Value {
     let Told { options, survey, setup, .. } = told;
-    let LaserOptions { range_sigma, hit, no_echo, early } = options.laser;
-    let StereoOptions { focal_baseline, disparity_sigma, correct_match, max_disparity } = options.stereo;
-    let sensor = match survey.sensor {
-        Sensor::Laser { max_range_m, .. } => json!({
-            "range_sigma_m": range_sigma, "max_range_m": max_range_m, "hit": hit, "no_echo": no_echo, "early_per_m": early,
-        }),
-        Sensor::Stereo => json!({
-            "focal_baseline": focal_baseline, "disparity_sigma": disparity_sigma, "correct_match": correct_match,
-            "max_disparity": max_disparity,
-        }),
-    };
+    let sensor = kernels::record(survey.sensor, options.laser, options.stereo);
     let mut configuration = json!({
         "log": options.log.display().to_string(),
         "trajectory": options.trajectory.as_ref().and_then(|path| path.file_name()).map(|name| name.to_string_lossy()),

@@ -12,6 +12,10 @@ const GAP: f64 = 14.0;
 const HEAD: f64 = 34.0;
 const WIDTH: f64 = 1428.0;
 
+/// What the picture shows.
+pub(super) const CAPTION: &str =
+    "The map at the end, with the way that was found, the odometry, and the true way where it is known.";
+
 /// Ways in the map's frame, m.
 pub(super) struct Ways<'a> {
     pub(super) found: &'a [[f64; 2]],

@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 use sensor::OdometryNoise;
 use slam::{Options, Weight};
 
+use super::scores::METRICS;
 use crate::figures::Paper;
 use crate::output::args::{
     FormatOption, Given, PriorOptions, ThreadsOption, count, number, positive, probability, trimmed,
@@ -50,6 +51,9 @@ pub struct SlamOptions {
     /// Relations between poses that are believed, to be scored against (Kümmerle et al. 2009)
     #[arg(long, value_name = "FILE")]
     pub relations: Option<PathBuf>,
+    /// Fails (exit code 1) where the mean error of the way that was found is larger: a metric of metrics.csv and its bound in m or degrees, such as ate=0.05; may be given several times
+    #[arg(long, value_name = "METRIC=BOUND", allow_hyphen_values = true, value_parser = bound)]
+    pub at_most: Vec<Bound>,
     /// Layout of a family of scenes
     #[arg(long, value_name = "N")]
     pub layout: Option<u64>,
@@ -111,6 +115,28 @@ pub enum Weighing {
     /// the likelihood field of the surfaces, as GMapping has it
     #[default]
     Field,
+}
+
+/// What the mean of a metric must not exceed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bound {
+    /// Name of the metric.
+    pub metric: String,
+    /// In the unit of the metric.
+    pub most: f64,
+}
+
+fn bound(text: &str) -> Result<Bound, String> {
+    let parts = text.split_once('=').and_then(|(metric, most)| Some((metric.trim(), most.trim().parse().ok()?)));
+    match parts {
+        Some((metric, most)) if METRICS.contains(&metric) && f64::is_finite(most) && most >= 0.0 => {
+            Ok(Bound { metric: metric.to_owned(), most })
+        }
+        _ => Err(format!(
+            "must be a metric and a number, 0 or more, such as ate=0.05; metrics are {}",
+            METRICS.join(", ")
+        )),
+    }
 }
 
 fn power(text: &str) -> Result<f64, String> {
@@ -199,6 +225,8 @@ mod tests {
     fn lists_of_numbers_are_whole_or_refused() {
         assert_eq!(window("1, 2.5"), Ok([1.0, 2.5]));
         assert!(["2,1", "1", "1,2,3", "a,b", "1,inf"].iter().all(|text| window(text).is_err()));
+        assert!(bound("ate = 0.5").is_ok_and(|bound| bound.metric == "ate" && bound.most.total_cmp(&0.5).is_eq()));
+        assert!(["ate", "ate=", "ate=-1", "ate=inf", "eta=1", "=1"].iter().all(|text| bound(text).is_err()));
         assert!(noise("0,0,0,0").is_ok_and(|noise| noise == OdometryNoise::NONE));
         assert!(["1,2,3", "1,2,3,-1", "1,2,3,NaN", ""].iter().all(|text| noise(text).is_err()));
     }

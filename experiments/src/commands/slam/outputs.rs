@@ -1,12 +1,17 @@
 //! The files that `slam` leaves behind, and what it prints.
 
+use std::io::Write as _;
+
 use grid::{GridSpec, Raster};
+use logs::Sensor;
 use mapper::Model;
 use mapper::catalogue::Entry;
 use sensor::{Pose, Scan};
 use serde_json::{Value, json};
 use slam::{Outcome, Update};
 
+use super::along;
+use super::document::{self, Pictures};
 use super::figure::{self, Ways};
 use super::options::{SlamOptions, Weighing};
 use super::scores::{References, Scores};
@@ -15,9 +20,12 @@ use crate::failure::Failure;
 use crate::figures::Paper;
 use crate::output;
 use crate::output::folder::Staging;
+use crate::output::ledger::RECORD;
 use crate::output::note;
 use crate::output::record::Record;
-use crate::output::table::{Table, aligned, optional, rounded};
+use crate::output::table::{Table, optional, rounded};
+use crate::page::cloud::Moment;
+use crate::worlds::kernels;
 use crate::worlds::seen::{Reach, Seen};
 
 /// Round what was seen, cells.
@@ -30,16 +38,22 @@ pub(super) struct Told<'a> {
     pub(super) place: &'a str,
     pub(super) scans: &'a [Taken],
     pub(super) model: &'a Model,
+    /// That of a log.
+    pub(super) sensor: Option<Sensor>,
     pub(super) outcome: &'a Outcome,
     pub(super) scores: &'a Scores,
     pub(super) away: &'a [Update],
+    /// The particles after every update.
+    pub(super) moments: &'a [Moment],
+    /// Numbers of the updates at which the robot came back to where it had been.
+    pub(super) returns: &'a [usize],
     pub(super) references: &'a References,
 }
 
 /// Every file that may come of it, beside the record.
 pub(super) fn names(paper: &Paper) -> Vec<String> {
-    let fixed = ["trajectory.txt", "metrics.csv", "updates.csv"].map(str::to_owned);
-    fixed.into_iter().chain(output::map::names("map")).chain(paper.files(&["trajectory.png"])).collect()
+    let fixed = ["trajectory.txt", "metrics.csv", "updates.csv", "report.html"].map(str::to_owned);
+    fixed.into_iter().chain(output::map::names("map")).chain(paper.files(&["along.png", "trajectory.png"])).collect()
 }
 
 /// Writes everything.
@@ -54,12 +68,25 @@ pub(super) fn write(staging: &mut Staging, told: &Told) -> Result<(), Failure> {
     let odometry = places(&mut told.scans.iter().map(|taken| taken.odometry));
     let truth = told.references.truth.as_deref().unwrap_or_default();
     let truth: Vec<[f64; 2]> = truth.iter().map(|stamped| [stamped.pose.x_m, stamped.pose.y_m]).collect();
-    let ways = Ways { found: &found, odometry: &odometry, truth: &truth };
-    let drawing = figure::draw(&map, &seen, told.model.prior.marginal(), &ways, &told.options.paper);
-    told.options.paper.save(staging, "trajectory.png", &drawing)?;
+    let drawn = Ways { found: &found, odometry: &odometry, truth: &truth };
+    let drawing = figure::draw(&map, &seen, told.model.prior.marginal(), &drawn, &told.options.paper);
+    let paper = &told.options.paper;
+    let picture = paper.save(staging, "trajectory.png", &drawing)?;
+    let (updates, particles) = (&told.outcome.updates, told.options.particles as usize);
+    let (way, reference) = (&told.outcome.trajectory, told.references.truth.as_deref());
+    let along = along::draw(updates, particles, told.scans, way, reference, paper);
+    let pictures = Pictures { trajectory: picture, along: paper.save(staging, "along.png", &along)? };
+    let ways = vec![("odometry", odometry), ("truth", truth), ("slam", found)];
+    let cloud = document::cloud(told, (&map, &seen), ways)?;
+    let configuration = configuration(told);
+    let files = staging.files_and(&["report.html", RECORD]);
+    let html = document::page(told, cloud, pictures, &configuration, files)?;
+    staging.write("report.html", |out| out.write_all(html.as_bytes()))?;
     let away: Vec<f64> = told.away.iter().map(|update| update.time_s).collect();
-    let findings = json!({ "carried_away_s": away, "relations_left_out": told.scores.left_out });
-    let mut parts = json!({ "configuration": configuration(told), "grid": told.model.grid, "findings": findings });
+    let returned: Vec<f64> = told.returns.iter().map(|k| told.outcome.updates[*k].time_s).collect();
+    let findings =
+        json!({ "carried_away_s": away, "returned_s": returned, "relations_left_out": told.scores.left_out });
+    let mut parts = json!({ "configuration": configuration, "grid": told.model.grid, "findings": findings });
     if let Some(pictures) = told.options.paper.asked() {
         parts["pictures"] = json!(pictures);
     }
@@ -145,12 +172,16 @@ fn configuration(told: &Told) -> Value {
         "seed": filter.seed,
         "weight": weight,
         "power": filter.weight.power(),
+        "given_power": options.power,
         "update_move_m": filter.update_move_m,
         "update_turn_deg": options.update_turn,
         "noise": noise,
+        "given_noise": options.noise.map(|noise| [noise.rad_per_rad, noise.rad_per_m, noise.m_per_m, noise.m_per_rad]),
         "truth": name(&options.truth),
         "relations": name(&options.relations),
         "layout": options.layout,
+        "given_grid_m": options.grid,
+        "sensor": told.sensor.map(|kind| kernels::record(kind, options.laser, options.stereo)),
         "reach_m": options.reach,
         "min_range_m": options.min_range,
         "given_max_range_m": options.max_range,
@@ -190,18 +221,22 @@ pub(super) fn text(told: &Told) -> String {
     let updates = &told.outcome.updates;
     let resampled = updates.iter().filter(|update| update.resampled).count();
     let effective = updates.iter().map(|update| update.effective).sum::<f64>() / updates.len() as f64;
+    let returned = match told.returns.len() {
+        0 => String::new(),
+        1 => "\nthe robot came back once to where it had been".to_owned(),
+        times => format!("\nthe robot came back {times} times to where it had been"),
+    };
     let mut text = format!(
-        "slam of {}\n{} scans, {} of them matched and mapped by {} particles of {}; N_eff {effective:.1} on average, resampled {resampled} times\n",
+        "slam of {}\n{} scans, {} of them matched and mapped by {} particles of {}\nN_eff {effective:.1} on average, drawn anew {resampled} times{returned}\n",
         told.place,
         told.scans.len(),
         updates.len(),
         told.options.particles,
         told.entry.name,
     );
-    let table = told.scores.table();
-    if !table.rows().is_empty() {
+    if !told.scores.table().rows().is_empty() {
         text.push('\n');
-        text.push_str(&aligned(table.columns(), &table.fields()));
+        text.push_str(&told.scores.text());
     }
     if told.scores.left_out > 0 {
         text.push_str(&format!("{} relations have no scan at their times\n", told.scores.left_out));

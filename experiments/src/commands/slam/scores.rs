@@ -7,16 +7,30 @@ use score::trajectory::{
 use sensor::Pose;
 use serde_json::json;
 
-use super::options::SlamOptions;
+use super::options::{Bound, SlamOptions};
 use super::source::Taken;
 use crate::failure::Failure;
-use crate::output::table::{Table, rounded};
+use crate::output::table::{self, Table, rounded};
 
 /// Poses and relations are of the same moment up to this, s.
-const MOST_S: f64 = 0.1;
+pub(super) const MOST_S: f64 = 0.1;
 
 /// A step of the relative error, m.
 const STEP_M: f64 = 1.0;
+
+/// Every metric there is.
+pub(super) const METRICS: [&str; 10] = [
+    "ate",
+    "ate_rotation",
+    "rpe_1m",
+    "rpe_1m_rotation",
+    "relations",
+    "relations_rotation",
+    "relations_loops",
+    "relations_loops_rotation",
+    "relations_others",
+    "relations_others_rotation",
+];
 
 /// What a trajectory is scored against.
 pub(super) struct References {
@@ -125,6 +139,45 @@ impl Scores {
         for (metric, unit, spread) in [(names[0], "m", errors.translation_m), (names[1], "deg", degrees)] {
             self.rows.push(Row { trajectory, metric, unit, spread });
         }
+    }
+
+    /// Whether all bounds hold, as far as they can be judged.
+    ///
+    /// # Errors
+    /// A bound on a metric that there is not, or that does not hold.
+    pub(super) fn hold(&self, bounds: &[Bound]) -> Result<(), Failure> {
+        let mut broken = Vec::new();
+        for Bound { metric, most } in bounds {
+            let row = self.rows.iter().find(|row| row.trajectory == "slam" && row.metric == metric);
+            let Some(Row { unit, spread, .. }) = row else {
+                let needed = if metric.starts_with("relations") {
+                    "--relations, with some of its kind"
+                } else {
+                    "--truth, or a scene"
+                };
+                return Err(Failure::BadInput(format!(
+                    "--at-most {metric}={most}: there is no {metric} here, which needs {needed}"
+                )));
+            };
+            // What is no number does not hold.
+            if spread.mean.is_nan() || spread.mean > *most {
+                broken.push(format!("{metric} is {:.4} {unit} on average, above {most}", spread.mean));
+            }
+        }
+        if broken.is_empty() { Ok(()) } else { Err(Failure::Claim(broken.join("; "))) }
+    }
+
+    /// For the terminal: what fits 80 columns, in four digits.
+    pub(super) fn text(&self) -> String {
+        let digits = |value: f64| format!("{:.*}", if value < 10.0 { 3 } else { 2 }, value);
+        let row = |row: &Row| {
+            let Spread { count, mean, rmse, max, .. } = row.spread;
+            let names =
+                [row.trajectory.to_owned(), row.metric.replace('_', " "), row.unit.to_owned(), count.to_string()];
+            names.into_iter().chain([mean, rmse, max].map(digits)).collect::<Vec<_>>()
+        };
+        let rows: Vec<Vec<String>> = self.rows.iter().map(row).collect();
+        table::aligned(&["trajectory", "metric", "unit", "count", "mean", "rmse", "max"], &rows)
     }
 
     pub(super) fn table(&self) -> Table {

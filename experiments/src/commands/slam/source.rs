@@ -132,7 +132,7 @@ impl Source {
         }
         let snapped = |at: f64, by: f64| ((at + by) / cell_m).floor() * cell_m;
         let grid = grid::GridSpec::covering(low.map(|at| snapped(at, 0.0)), high.map(|at| snapped(at, cell_m)), cell_m)
-            .map_err(|error| Failure::BadInput(format!("{place}: {error}")))?;
+            .map_err(|error| Failure::BadInput(format!("{place}: {error} (--grid, --reach, --window)")))?;
         if grid.cells() > MOST_CELLS {
             return Err(Failure::BadInput(format!(
                 "{place}: the map has {} cells of {cell_m} m, more than {MOST_CELLS}; use larger cells (--grid), a shorter --reach, or a part of the log (--window)",
