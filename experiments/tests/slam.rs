@@ -238,7 +238,7 @@ fn bounds_on_errors_fail_the_build_and_what_was_found_is_kept() {
         run(folder.path(), code, &[&args[..], bounds, &["--out", out]].concat()).1
     };
     slam(0, &["--at-most", "ate=0.2", "--at-most", "rpe_1m=0.2"], "good");
-    let err = slam(1, &["--at-most", "ate=0.000001", "--at-most", "ate_rotation=90"], "bad");
+    let err = slam(3, &["--at-most", "ate=0.000001", "--at-most", "ate_rotation=90"], "bad");
     assert!(err.contains("ate is ") && err.contains("above 0.000001") && !err.contains("rotation"), "{err}");
     assert!(folder.path().join("bad/trajectory.txt").exists(), "what is to be looked into is there");
     let err = slam(2, &["--at-most", "relations_loops=0.1"], "none");

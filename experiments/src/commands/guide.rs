@@ -19,7 +19,7 @@ macro_rules! pages {
     ($($name:literal),* $(,)?) => { [$(($name, include_str!(concat!("../../guide/", $name, ".md")))),*] };
 }
 
-const PAGES: [(&str, &str); 26] = pages![
+const PAGES: [(&str, &str); 27] = pages![
     "introduction",
     "commands",
     "room",
@@ -36,6 +36,7 @@ const PAGES: [(&str, &str); 26] = pages![
     "score",
     "own-mapper",
     "own-sensor",
+    "python",
     "gate",
     "sweep",
     "logs",

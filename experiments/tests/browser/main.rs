@@ -1,4 +1,4 @@
-//! The report in a real browser, opened from the file system: `cargo test -p experiments --features browser --test browser`.
+//! The report in a real browser, opened from the file system: `cargo test --workspace --test browser -- --ignored`.
 
 mod axe;
 mod driver;
@@ -78,6 +78,7 @@ fn close(a: f64, b: f64, bound: f64) -> bool {
 }
 
 #[test]
+#[ignore = "needs chromium and chromedriver"]
 fn it_opens_without_an_error_or_a_request_and_is_small() {
     let results = Results::new();
     let browser = Browser::start();
@@ -110,6 +111,7 @@ const WALKER: &str =
     "[[mover]]\nradius = 0.15\nroute = [[0.7, 1.65], [2.4, 1.65]]\nspeed_m_s = 0.4\nrepeat = \"back_and_forth\"\n";
 
 #[test]
+#[ignore = "needs chromium and chromedriver"]
 fn what_moves_is_drawn_where_it_is_and_true_there() {
     let results = Results::of(&(include_str!("closet.toml").to_owned() + WALKER));
     let browser = Browser::start();
@@ -142,6 +144,7 @@ fn what_moves_is_drawn_where_it_is_and_true_there() {
 }
 
 #[test]
+#[ignore = "needs chromium and chromedriver"]
 fn its_metrics_are_those_of_the_tables() {
     let results = Results::new();
     let metrics = results.metrics();
@@ -195,6 +198,7 @@ fn readout(browser: &Browser) -> (String, String, u32, f64) {
 }
 
 #[test]
+#[ignore = "needs chromium and chromedriver"]
 fn the_readout_of_a_cell_is_what_the_files_hold() {
     let results = Results::new();
     let ground = results.ground();
@@ -242,6 +246,7 @@ fn looks(ground: &Ground, scans: usize) -> Vec<u32> {
 }
 
 #[test]
+#[ignore = "needs chromium and chromedriver"]
 fn the_keyboard_moves_time_and_the_cell() {
     let results = Results::new();
     let browser = Browser::start();
@@ -309,6 +314,7 @@ fn the_keyboard_moves_time_and_the_cell() {
 }
 
 #[test]
+#[ignore = "needs chromium and chromedriver"]
 fn views_and_regions_change_the_picture_and_the_address_keeps_them() {
     let results = Results::new();
     let browser = Browser::start();
@@ -356,6 +362,7 @@ fn colours(browser: &Browser) -> Vec<[i64; 3]> {
 }
 
 #[test]
+#[ignore = "needs chromium and chromedriver"]
 fn colours_say_what_the_files_hold() {
     let results = Results::new();
     let (truth, map) = (results.npy("truth.npy"), results.npy("conventional-back.npy"));
@@ -413,6 +420,7 @@ const LEAST_CONTRAST: &str = "(() => {
 })()";
 
 #[test]
+#[ignore = "needs chromium and chromedriver"]
 fn text_is_readable_in_light_and_in_dark_and_nothing_overflows_a_telephone() {
     let results = Results::new();
     let browser = Browser::start();
@@ -436,6 +444,7 @@ fn text_is_readable_in_light_and_in_dark_and_nothing_overflows_a_telephone() {
 }
 
 #[test]
+#[ignore = "needs chromium and chromedriver"]
 fn without_scripts_pictures_and_tables_remain() {
     let results = Results::new();
     let browser = Browser::start();
@@ -480,6 +489,7 @@ fn two_worlds(results: &Results, folder: &Path) -> PathBuf {
 }
 
 #[test]
+#[ignore = "needs chromium and chromedriver"]
 fn another_scene_is_picked_and_a_batch_map_says_when_it_was_solved() {
     let results = Results::new();
     let browser = Browser::start();
@@ -503,6 +513,7 @@ fn another_scene_is_picked_and_a_batch_map_says_when_it_was_solved() {
 }
 
 #[test]
+#[ignore = "needs chromium and chromedriver"]
 fn the_scan_is_drawn_and_the_curves_hang_on_the_slider() {
     let results = Results::new();
     let browser = Browser::start();
@@ -530,6 +541,7 @@ fn the_scan_is_drawn_and_the_curves_hang_on_the_slider() {
 }
 
 #[test]
+#[ignore = "needs chromium and chromedriver"]
 fn nothing_jumps_while_one_steps_and_points() {
     let results = Results::new();
     let browser = Browser::start();
@@ -546,6 +558,7 @@ fn nothing_jumps_while_one_steps_and_points() {
 }
 
 #[test]
+#[ignore = "needs chromium and chromedriver"]
 fn keys_work_from_the_start_and_wheel_and_drag_move_the_part_shown() {
     let results = Results::new();
     let browser = Browser::start();
@@ -581,6 +594,7 @@ fn keys_work_from_the_start_and_wheel_and_drag_move_the_part_shown() {
 }
 
 #[test]
+#[ignore = "needs chromium and chromedriver"]
 fn tables_are_sorted_by_their_heads_and_files_are_links() {
     let results = Results::new();
     let browser = Browser::start();
@@ -606,6 +620,7 @@ fn tables_are_sorted_by_their_heads_and_files_are_links() {
 }
 
 #[test]
+#[ignore = "needs chromium and chromedriver"]
 fn the_chosen_view_is_marked_where_colours_are_forced() {
     let results = Results::new();
     let browser = Browser::start();
@@ -619,6 +634,7 @@ fn the_chosen_view_is_marked_where_colours_are_forced() {
 }
 
 #[test]
+#[ignore = "needs chromium and chromedriver"]
 fn axe_finds_nothing() {
     let Some(axe) = axe::source() else { return };
     let results = Results::new();

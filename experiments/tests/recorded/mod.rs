@@ -52,6 +52,7 @@ pub(crate) fn scans(ground: &Ground, laser: &Laser, seed: u64, count: usize) -> 
     ground.drive.poses.iter().step_by(every).map(scan).collect()
 }
 
+#[allow(dead_code, reason = "tests take some of them")]
 /// What a laser of up to 20 m records: a CARMEN log of every `every`-th pose, and the cells that a beam could see.
 pub(crate) fn recorded(ground: &Ground, laser: &Laser, every: usize) -> (String, Raster<bool>) {
     let mut rng = ChaCha8Rng::seed_from_u64(5);

@@ -11,7 +11,7 @@ use crate::programs::options::ProgramOptions;
 #[derive(Debug, Clone, Parser)]
 #[command(
     max_term_width = 100,
-    after_help = "Exit codes: 0 all gates pass, 1 internal or I/O error, 2 usage or bad input, 3 a gate fails, 130 Ctrl-C."
+    after_help = "Exit codes: 0 all gates pass, 1 internal or I/O error, 2 usage or bad input, 3 a gate fails (0 with --report-only), 130 Ctrl-C."
 )]
 pub struct GateOptions {
     /// File of the gates
@@ -35,6 +35,9 @@ pub struct GateOptions {
     /// Also write the outcome in Markdown; appended if FILE is the one that GITHUB_STEP_SUMMARY names
     #[arg(long, value_name = "FILE")]
     pub summary: Option<PathBuf>,
+    /// Tell of gates that fail, and end as if all had passed: for builds that are to be told and not stopped
+    #[arg(long, conflicts_with = "update")]
+    pub report_only: bool,
     /// Programs of one's own that gates may name
     #[command(flatten)]
     pub programs: ProgramOptions,

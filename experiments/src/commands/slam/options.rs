@@ -51,7 +51,7 @@ pub struct SlamOptions {
     /// Relations between poses that are believed, to be scored against (Kümmerle et al. 2009)
     #[arg(long, value_name = "FILE")]
     pub relations: Option<PathBuf>,
-    /// Fails (exit code 1) where the mean error of the way that was found is larger: a metric of metrics.csv and its bound in m or degrees, such as ate=0.05; may be given several times
+    /// Fails (exit code 3) where the mean error of the way that was found is larger: a metric of metrics.csv and its bound in m or degrees, such as ate=0.05; may be given several times
     #[arg(long, value_name = "METRIC=BOUND", allow_hyphen_values = true, value_parser = bound)]
     pub at_most: Vec<Bound>,
     /// Layout of a family of scenes
