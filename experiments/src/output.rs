@@ -11,6 +11,7 @@ pub mod marks;
 pub mod paint;
 pub mod publication;
 pub mod record;
+pub mod recording;
 pub mod screen;
 pub mod single;
 pub mod table;

@@ -9,6 +9,7 @@ mod options;
 mod outputs;
 mod predictions;
 mod recalibrated;
+mod recorded;
 mod recording;
 mod viewed;
 
@@ -86,6 +87,7 @@ pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
     let out = options.out();
     let reads: Vec<&Path> =
         [Some(&options.log), options.trajectory.as_ref()].into_iter().flatten().map(PathBuf::as_path).collect();
+    options.recording.check(&reads)?;
     let mut staging = Staging::open(&out, &Purpose::new("replay", &reads, outputs::names(&entries, &options.paper)))?;
 
     let mapping = Instant::now();
@@ -97,6 +99,7 @@ pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
     let told = outputs::Told { options, survey: &survey, setup: &setup, maps: &maps, predictions: &predictions };
     outputs::write(&mut staging, &recording, &told)?;
     staging.publish()?;
+    options.recording.save(&reads, |recorder| recorded::record(recorder, &recording, &told))?;
 
     options.order.of(predictions.table(), &[]).print(options.print.format, || outputs::text(&told))?;
     let place = out.join("report.html");

@@ -7,6 +7,7 @@ mod outputs;
 mod plan;
 mod programs;
 mod record;
+mod recording;
 mod summary;
 
 pub use again::page as renewed_page;
@@ -54,6 +55,7 @@ pub fn run(options: &RoomOptions) -> Result<(), Failure> {
     let columns = outputs::metrics(&ground, &[], &[]);
     options.order.check(options.format, &summary::heads(&ground), columns.columns())?;
     let files = outputs::names(&ground, &mappers, &options.paper);
+    options.recording.check(&[&options.scene])?;
     let mut staging = Staging::open(&out, &Purpose::new("room", &[&options.scene], files))?;
     let trials = trials(&ground, &seeds, &mappers, &setup, &frames)?;
     let stages = ground.stages(&trials[0]);
@@ -65,6 +67,10 @@ pub fn run(options: &RoomOptions) -> Result<(), Failure> {
     let outcome = outputs::Outcome { ground: &ground, trials: &trials, stages: &stages, frames: &frames };
     outputs::write(&mut staging, outcome, &metrics, &record, &options.paper)?;
     staging.publish()?;
+    options.recording.save(&[&options.scene], |recorder| {
+        recording::record(recorder, &outcome);
+        Ok(())
+    })?;
 
     let text = || summary::text(&ground, &trials, &stages, &claims, &options.order);
     options.order.of(metrics, &[]).print(options.format, text)?;

@@ -5,6 +5,7 @@ mod document;
 mod figure;
 mod options;
 mod outputs;
+mod recorded;
 mod returns;
 mod scores;
 mod source;
@@ -49,6 +50,8 @@ pub fn run(options: &SlamOptions) -> Result<(), Failure> {
     let out = options.out(&place);
     let reads = [Some(&options.source), options.truth.as_ref(), options.relations.as_ref()];
     let reads: Vec<&std::path::PathBuf> = reads.into_iter().flatten().collect();
+    let read: Vec<&std::path::Path> = reads.iter().map(|path| path.as_path()).collect();
+    options.recording.check(&read)?;
     let mut staging = Staging::open(&out, &Purpose::new("slam", &reads, outputs::names(&options.paper)))?;
 
     let refused = |error: slam::SlamError| Failure::BadInput(format!("--mapper {}: {error}", entry.name));
@@ -90,6 +93,10 @@ pub fn run(options: &SlamOptions) -> Result<(), Failure> {
     };
     outputs::write(&mut staging, &told)?;
     staging.publish()?;
+    options.recording.save(&read, |recorder| {
+        recorded::record(recorder, &told);
+        Ok(())
+    })?;
     scores.table().print(options.print.format, || outputs::text(&told))?;
     if options.print.format == Format::Text {
         note(format_args!(

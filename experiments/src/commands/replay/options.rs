@@ -12,6 +12,7 @@ use crate::output::args::{
     FormatOption, Given, OpenOption, PriorOptions, ThreadsOption, count, positive, probability, trimmed,
 };
 use crate::output::folder;
+use crate::output::recording::RecordingOption;
 use crate::programs::options::ProgramOptions;
 use crate::worlds::agreement::Spread;
 use crate::worlds::kernels::{self, LaserOptions, Shared, StereoOptions};
@@ -106,6 +107,9 @@ pub struct ReplayOptions {
     /// Folder for tables, maps, pictures and report, written whole or not at all [default: results/replay- and the log's name]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// What is recorded beside
+    #[command(flatten)]
+    pub recording: RecordingOption,
     /// How pictures are made
     #[command(flatten)]
     pub paper: Paper,

@@ -14,6 +14,7 @@ use super::{document, outputs};
 use crate::failure::Failure;
 use crate::figures::Paper;
 use crate::output::args::{CutOption, Format, OpenOption, PriorOptions, ThreadsOption};
+use crate::output::recording::RecordingOption;
 use crate::page::{self, Folder, ViewedWorld, Viewer};
 use crate::programs::options::{ProgramOptions, ProgramRecord};
 use crate::worlds::drives::DriveOptions;
@@ -64,6 +65,7 @@ impl Made {
             paper: Paper::default(),
             format: Format::Text,
             order: SortOption::default(),
+            recording: RecordingOption::default(),
             open: OpenOption::default(),
             threads: ThreadsOption::default(),
         })

@@ -6,6 +6,7 @@ use clap::Args;
 
 use crate::figures::Paper;
 use crate::output::args::{CutOption, Format, OpenOption, PriorOptions, ThreadsOption, count, positive, trimmed};
+use crate::output::recording::RecordingOption;
 use crate::programs::options::ProgramOptions;
 use crate::worlds::drives::DriveOptions;
 use crate::worlds::ranked::SortOption;
@@ -55,6 +56,9 @@ pub struct RoomOptions {
     /// Folder for tables, maps, pictures and report, written whole or not at all [default: results/ and the scene's name]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// What is recorded beside
+    #[command(flatten)]
+    pub recording: RecordingOption,
     /// How pictures are made
     #[command(flatten)]
     pub paper: Paper,

@@ -12,6 +12,7 @@ use crate::output::args::{
     FormatOption, Given, PriorOptions, ThreadsOption, count, number, positive, probability, trimmed,
 };
 use crate::output::folder;
+use crate::output::recording::RecordingOption;
 use crate::worlds::kernels::{LaserOptions, StereoOptions};
 use crate::worlds::reading::{DAMAGED_SHARE, FanArgs, stem};
 
@@ -93,6 +94,9 @@ pub struct SlamOptions {
     /// Folder for trajectory, map, tables and picture, written whole or not at all [default: results/slam- and the log's name]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// What is recorded beside
+    #[command(flatten)]
+    pub recording: RecordingOption,
     /// How pictures are made
     #[command(flatten)]
     pub paper: Paper,

@@ -118,7 +118,7 @@ fn updates(updates: &[Update]) -> Table {
 }
 
 /// The map round what was seen of it, and which cells were.
-fn cropped(told: &Told) -> (Raster<f64>, Raster<bool>) {
+pub(super) fn cropped(told: &Told) -> (Raster<f64>, Raster<bool>) {
     let spec = told.model.grid;
     let mut seen = Seen::new(spec, Reach::Median);
     let mut updates = told.outcome.updates.iter().map(|update| update.time_s).peekable();
