@@ -1,6 +1,9 @@
 //! Landmarks against the truth: how far they are off, which are false, which are missed, and whether their covariances fit.
 
 mod assignment;
+mod associations;
+
+pub use associations::{Associated, Associations, associations};
 
 use crate::trajectory::{Spread, TrajectoryError, chi_squared};
 

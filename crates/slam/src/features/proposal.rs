@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use sensor::{FeatureCamera, FeatureReading, OdometryNoise, Pose, Step};
 
-use super::association::{Candidate, pairs};
+use super::association::{Candidate, Pair, pairs};
 use super::landmark::{gaussian, vector};
 use super::map::Map;
 use super::options::{Association, Identity};
@@ -85,8 +85,13 @@ impl Belief {
     }
 }
 
+/// So many first pairs are tried. Where the pose is vague, a reading has several landmarks within its gate, and the first pair decides about
+/// all others.
+const FIRST: usize = 4;
+
 /// The odometry's errors after a scan: the likeliest pairs of readings and landmarks are taken one by one, each from where the ones before
-/// it put the pose, then once more those that were out of the gate while the pose was vaguer.
+/// it put the pose, then once more those that were out of the gate while the pose was vaguer. Of several first pairs, the one is kept after which
+/// all readings together are the likeliest.
 ///
 /// Landmarks that are rather not there than there have no say in it.
 pub(crate) fn after(
@@ -96,41 +101,113 @@ pub(crate) fn after(
     (last, measured): (Pose, &Measured),
     readings: &[FeatureReading],
 ) -> Belief {
-    let mut belief = Belief::ODOMETRY;
-    let mut used = vec![false; readings.len()];
-    let mut slots: Vec<usize> = Vec::new();
-    for _ in 0..2 {
-        let pose = measured.pose(last, belief.mean);
-        let mut candidates = match rules.identity {
-            Identity::Unknown => map.candidates(camera, pose),
-            Identity::Known => readings.iter().filter_map(|r| map.known(r.identity, camera, pose)).collect(),
-        };
-        candidates.retain(|candidate| candidate.landmark.log_odds >= 0.0);
+    let pose = measured.pose(last, Vector3::zeros());
+    let mut candidates = match rules.identity {
+        Identity::Unknown => map.candidates(camera, pose),
+        Identity::Known => readings.iter().filter_map(|reading| map.known(reading.identity, camera, pose)).collect(),
+    };
+    candidates.retain(|candidate| candidate.landmark.log_odds >= 0.0);
+    let look = Look { camera, rules, last, measured, readings, candidates: &candidates };
+    let mut found = look.pairs(&candidates, &Belief::ODOMETRY);
+    let mut best = Hypothesis::none(readings.len(), candidates.len());
+    let mut most = f64::NEG_INFINITY;
+    for _ in 0..FIRST {
+        let mut tried = Hypothesis::none(readings.len(), candidates.len());
+        let Some(first) = look.complete(&found, &mut tried) else { break };
+        if tried.log > most {
+            (most, best) = (tried.log, tried);
+        }
+        // Another first pair: one that this try did not take.
+        found.retain(|pair| *pair != first);
+        let Some(next) = found.iter().position(|pair| best.of[pair.reading] != Some(pair.candidate)) else { break };
+        found[..=next].rotate_right(1);
+    }
+    best.belief
+}
+
+/// What a particle looks at.
+struct Look<'a> {
+    camera: &'a FeatureCamera,
+    rules: &'a Association,
+    last: Pose,
+    measured: &'a Measured,
+    readings: &'a [FeatureReading],
+    candidates: &'a [Candidate],
+}
+
+/// Which landmark each reading is of, and where that puts the pose.
+#[derive(Debug, Clone)]
+struct Hypothesis {
+    belief: Belief,
+    /// For each reading its candidate.
+    of: Vec<Option<usize>>,
+    used: Vec<bool>,
+    /// Logarithm of how much likelier the readings are than strays.
+    log: f64,
+}
+
+impl Hypothesis {
+    fn none(readings: usize, candidates: usize) -> Self {
+        Self { belief: Belief::ODOMETRY, of: vec![None; readings], used: vec![false; candidates], log: 0.0 }
+    }
+}
+
+impl Look<'_> {
+    /// Pairs within the gate of a belief, the likeliest first; candidates are as seen from its mean.
+    fn pairs(&self, candidates: &[Candidate], belief: &Belief) -> Vec<Pair> {
+        let derivative = self.measured.derivative(self.last, belief.mean);
         let covariance = |candidate: &Candidate| {
-            let by = candidate.expected.by_pose * measured.derivative(last, belief.mean);
+            let by = candidate.expected.by_pose * derivative;
             by * belief.covariance * by.transpose() + candidate.innovation
         };
-        let found = pairs(readings, &candidates, rules.gate, covariance);
+        let mut found = pairs(self.readings, candidates, self.rules.gate, covariance);
+        if self.rules.identity == Identity::Known {
+            let own = |pair: &Pair| {
+                let identity = self.readings[pair.reading].identity.map(|identity| identity as usize);
+                identity == Some(candidates[pair.candidate].slot)
+            };
+            found.retain(own);
+        }
+        found
+    }
+
+    /// Takes pairs in their order, then those that are within the gate of where these put the pose; gives the first that was taken.
+    fn complete(&self, found: &[Pair], tried: &mut Hypothesis) -> Option<Pair> {
+        let mut first = None;
         for pair in found {
-            let candidate = &candidates[pair.candidate];
-            let identity = readings[pair.reading].identity;
-            let other =
-                rules.identity == Identity::Known && identity.map(|identity| identity as usize) != Some(candidate.slot);
-            if used[pair.reading] || slots.contains(&candidate.slot) || other {
-                continue;
-            }
-            let at = measured.pose(last, belief.mean);
-            let Some(now) = Candidate::of(candidate.slot, &candidate.landmark, camera, at) else { continue };
-            let by = now.expected.by_pose * measured.derivative(last, belief.mean);
-            let off = vector(&readings[pair.reading]) - now.expected.reading;
-            let innovation = by * belief.covariance * by.transpose() + now.innovation;
-            let within = gaussian(off, &innovation).is_some_and(|[square, _]| square <= rules.gate);
-            if within {
-                used[pair.reading] = true;
-                slots.push(candidate.slot);
-                belief.take(&now, &by, off);
+            if self.take(pair, tried) && first.is_none() {
+                first = Some(*pair);
             }
         }
+        let pose = self.measured.pose(self.last, tried.belief.mean);
+        let seen = |candidate: &Candidate| Candidate::of(candidate.slot, &candidate.landmark, self.camera, pose);
+        let again: Vec<Candidate> = self.candidates.iter().map(|c| seen(c).unwrap_or(*c)).collect();
+        for pair in self.pairs(&again, &tried.belief) {
+            self.take(&pair, tried);
+        }
+        first
     }
-    belief
+
+    /// Takes a pair if both are free and it is within the gate of where the ones before put the pose.
+    fn take(&self, pair: &Pair, tried: &mut Hypothesis) -> bool {
+        if tried.of[pair.reading].is_some() || tried.used[pair.candidate] {
+            return false;
+        }
+        let candidate = &self.candidates[pair.candidate];
+        let at = self.measured.pose(self.last, tried.belief.mean);
+        let Some(now) = Candidate::of(candidate.slot, &candidate.landmark, self.camera, at) else { return false };
+        let by = now.expected.by_pose * self.measured.derivative(self.last, tried.belief.mean);
+        let off = vector(&self.readings[pair.reading]) - now.expected.reading;
+        let innovation = by * tried.belief.covariance * by.transpose() + now.innovation;
+        let Some([square, log]) = gaussian(off, &innovation) else { return false };
+        if square > self.rules.gate {
+            return false;
+        }
+        let seen = self.camera.seen() * candidate.landmark.existence() * libm::exp(log);
+        tried.log += libm::log(1.0 + seen / self.camera.anywhere());
+        tried.of[pair.reading] = Some(pair.candidate);
+        tried.used[pair.candidate] = true;
+        tried.belief.take(&now, &by, off);
+        true
+    }
 }
