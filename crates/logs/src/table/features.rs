@@ -363,4 +363,25 @@ mod tests {
             assert!(found.contains(message), "{text}: {found}");
         }
     }
+
+    proptest::proptest! {
+        /// Whatever stands in a table, it is scans that can be taken, or one line that names the place.
+        #[test]
+        fn bytes_are_scans_or_one_line(cells in proptest::collection::vec("(0|1|2|-1|0\\.5|1e9|nan|inf||x|\"|;)", 0..60), width in 1usize..12) {
+            let rows: Vec<String> = cells.chunks(width).map(|row| row.join(",")).collect();
+            match all(&format!("{HEAD}\n{}\n", rows.join("\n"))) {
+                Ok(scans) => {
+                    proptest::prop_assert!(scans.windows(2).all(|pair| pair[0].scan.time_s < pair[1].scan.time_s));
+                    for row in &scans {
+                        proptest::prop_assert_eq!(row.matched.len(), row.scan.readings.len());
+                        proptest::prop_assert!(row.scan.readings.iter().all(|r| r.disparity_px > 0.0 && r.bearing_rad.abs() < FRAC_PI_2));
+                    }
+                }
+                Err(message) => {
+                    let placed = message.strip_prefix("f.csv:").is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()));
+                    proptest::prop_assert!(placed && message.lines().count() == 1, "{}", message);
+                }
+            }
+        }
+    }
 }
