@@ -14,6 +14,7 @@ use crate::commands::compare::{self, CompareOptions};
 use crate::commands::completions::{self, CompletionsOptions};
 use crate::commands::convert::{self, ConvertOptions};
 use crate::commands::estimate;
+use crate::commands::features::{self, FeaturesOptions};
 use crate::commands::gate::{self, GateOptions};
 use crate::commands::guide::{self, GuideOptions};
 use crate::commands::list::{self, ListOptions};
@@ -86,6 +87,8 @@ enum Command {
     Replay(Box<ReplayOptions>),
     /// Find where a robot went and what lies there together, from scans and odometry: a particle filter with a map to each particle
     Slam(Box<SlamOptions>),
+    /// Find landmarks, and with them where a robot went, from point features: Kalman filters from known poses, or FastSLAM
+    Features(Box<FeaturesOptions>),
     /// Score maps of any maker against the truth: a scene, or a map that is believed
     Score(Box<ScoreOptions>),
     /// Fit a sensor's kernel and the prior to a log, or to disparities with known truth
@@ -134,6 +137,7 @@ pub fn main() -> ExitCode {
     match &mut command {
         Command::Replay(options) => options.given = given,
         Command::Slam(options) => options.given = given,
+        Command::Features(options) => options.given = given,
         Command::Calibrate(options) => options.given = given,
         _ => {}
     }
@@ -162,6 +166,7 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Speed(options) => speed::run(&options),
         Command::Replay(options) => replay::run(&options),
         Command::Slam(options) => slam::run(&options),
+        Command::Features(options) => features::run(&options),
         Command::Score(options) => score::run(&options),
         Command::Calibrate(options) => calibrate::run(&options),
         Command::Report(options) => report::run(&options, &PAGES),

@@ -6,6 +6,7 @@ pub mod compare;
 pub mod completions;
 pub mod convert;
 pub mod estimate;
+pub mod features;
 pub mod gate;
 pub mod guide;
 pub mod list;

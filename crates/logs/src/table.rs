@@ -19,6 +19,7 @@
 //! Rows of the same number, time, pose and sensor are a scan, at most 100,000 of them. Rows of two sensors can take turns. Rows
 //! that are sorted in another way, such as by bearing, are put together as long as they are no more than four million.
 
+pub mod features;
 mod gather;
 mod head;
 mod row;

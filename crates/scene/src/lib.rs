@@ -8,6 +8,7 @@
 //! - [`drive`], in which rapier moves the robot along the route, and people, doors and chairs beside it, and finds what blocks it;
 //!   [`Motion`] is where everything was at each scan;
 //! - [`simulate`], which gives the readings of a seed, whatever the number of threads;
+//! - [`features`], the vertical edges that a camera can find, and [`observe`], what it measures of them;
 //! - [`truth`], the cells that are really occupied, and [`truth_at_centres`], those occupied where
 //!   their centres are; [`covered_at`], those that moving things cover at a scan.
 //!
@@ -22,6 +23,7 @@ mod drive;
 mod enclosure;
 mod error;
 mod family;
+mod features;
 mod file;
 mod floor_plan;
 mod from_map;
@@ -53,6 +55,7 @@ pub mod reader {
 pub use enclosure::{Enclosure, enclosure};
 pub use error::{Problem, SceneError};
 pub use family::{Family, Set, Variation};
+pub use features::{Feature, FeatureTruth, ObservedFeatures, features, in_view, observe};
 pub use floor_plan::{FloorPlan, FloorPlanError};
 pub use from_map::{MadeScene, MakeError, from_map, from_plan};
 pub use load::{examine, load};

@@ -18,7 +18,7 @@
 //! - [`navigation`] plans drives on a map and says how many of them can be driven.
 //! - [`Tiles`] says how sure the difference of two maps of one world is.
 //! - [`Summary`] is the spread of a metric over seeds.
-//! - [`trajectory`] scores poses instead of maps.
+//! - [`trajectory`] scores poses instead of maps, and [`landmarks`] landmarks.
 //! - [`threshold`] holds the probabilities at which a map is taken at its word.
 //!
 //! Sums run in index order, logarithms come from `libm`: the same input gives the same bytes.
@@ -27,6 +27,7 @@ mod align;
 mod calibration;
 mod error;
 mod judged;
+pub mod landmarks;
 mod log_loss;
 mod metric;
 mod moving;

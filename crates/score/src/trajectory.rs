@@ -27,7 +27,7 @@
 mod absolute;
 mod alignment;
 mod association;
-mod chi_squared;
+pub(crate) mod chi_squared;
 mod error;
 mod nees;
 mod pose;

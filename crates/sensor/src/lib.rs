@@ -7,12 +7,13 @@
 //! [`Matcher`] samples the disparities that such a camera would measure, with the paper's
 //! independent mismatches or with [`Clustering`] as measured on real pairs. [`Laser`] is a laser
 //! range finder, with what it measures and how it is sampled; [`Sonar`] hears the nearest thing in
-//! a cone. [`OdometryNoise`] is how far odometry may be off in a
+//! a cone. [`FeatureCamera`] finds point features instead of columns. [`OdometryNoise`] is how far odometry may be off in a
 //! [`Step`] from one pose to the next.
 
 mod camera;
 mod clustering;
 mod fast_kernel;
+mod features;
 mod gaussian;
 mod inverse_model;
 mod kernel;
@@ -29,6 +30,7 @@ mod stereo;
 pub use camera::Camera;
 pub use clustering::{Clustering, Mismatches};
 pub use fast_kernel::FastKernel;
+pub use features::{FeatureCamera, FeatureCameraError, FeatureReading, FeatureScan};
 pub use gaussian::exp_minus;
 pub use inverse_model::{InverseModel, Placement};
 pub use kernel::{Kernel, Parameters};

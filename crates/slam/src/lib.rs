@@ -4,7 +4,10 @@
 //! the odometry has for each; [`Slam::finish`] gives a pose for every scan, and the map. Any [`mapper::Mapper`] that can be copied
 //! ([`fork`](mapper::Mapper::fork)) can be the map; one that predicts readings ([`evidence`](mapper::Mapper::evidence)) can weigh
 //! particles by that ([`Weight`]).
+//!
+//! [`features`] has landmarks in the place of a map: Kalman filters from known poses, and FastSLAM.
 
+pub mod features;
 mod field;
 mod filter;
 mod frame;

@@ -16,6 +16,7 @@ const GROUPS: [(&str, &[(&str, &str)]); 4] = [
             ("ray", "ray near"),
             ("sensor", "sensor room"),
             ("speed", "speed --growth"),
+            ("features", "features --posts 50"),
         ],
     ),
     (

@@ -19,7 +19,7 @@ macro_rules! pages {
     ($($name:literal),* $(,)?) => { [$(($name, include_str!(concat!("../../guide/", $name, ".md")))),*] };
 }
 
-const PAGES: [(&str, &str); 27] = pages![
+const PAGES: [(&str, &str); 28] = pages![
     "introduction",
     "commands",
     "room",
@@ -41,6 +41,7 @@ const PAGES: [(&str, &str); 27] = pages![
     "sweep",
     "logs",
     "slam",
+    "features",
     "calibrate",
     "speed",
     "figures",

@@ -51,7 +51,7 @@ pub(super) enum Separator {
 }
 
 impl Separator {
-    fn of(head: &[u8]) -> Self {
+    pub(super) fn of(head: &[u8]) -> Self {
         let found = [b';', b',', b'\t'].into_iter().find(|byte| head.contains(byte));
         found.map_or(Self::Blanks, Self::Byte)
     }

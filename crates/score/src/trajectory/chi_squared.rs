@@ -46,7 +46,7 @@ fn tiny_at_least(value: f64) -> f64 {
 }
 
 /// The value that is not exceeded with probability `p`, 0 < p < 1, by bisection.
-pub(super) fn quantile(p: f64, freedom: f64) -> f64 {
+pub(crate) fn quantile(p: f64, freedom: f64) -> f64 {
     debug_assert!(p > 0.0 && p < 1.0 && freedom > 0.0, "{p} of {freedom}");
     // Thirty standard deviations above the mean, and more for few degrees of freedom.
     let (mut low, mut high) = (0.0, freedom + 30.0 * libm::sqrt(2.0 * freedom) + 100.0);

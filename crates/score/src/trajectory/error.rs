@@ -93,6 +93,24 @@ pub enum TrajectoryError {
         /// The matrix: x (m), y (m), heading (rad).
         covariance: [[f64; 3]; 3],
     },
+    /// A matrix that is no covariance of a place.
+    #[error("landmark {index}: its covariance {covariance:?} is not symmetric and positive definite")]
+    LandmarkCovariance {
+        /// Which landmark, from 0.
+        index: usize,
+        /// The matrix: x and y (m).
+        covariance: [[f64; 2]; 2],
+    },
+    /// A landmark that is nowhere.
+    #[error("landmark {index}, {name}: {value} must be a number from -1e12 to 1e12")]
+    Landmark {
+        /// Which landmark, from 0.
+        index: usize,
+        /// What of it.
+        name: &'static str,
+        /// The value.
+        value: f64,
+    },
 }
 
 /// Beyond any place on earth and any time since 1970, m and s: squares stay finite.
