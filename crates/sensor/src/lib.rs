@@ -7,11 +7,14 @@
 //! [`Matcher`] samples the disparities that such a camera would measure, with the paper's
 //! independent mismatches or with [`Clustering`] as measured on real pairs. [`Laser`] is a laser
 //! range finder, with what it measures and how it is sampled; [`Sonar`] hears the nearest thing in
-//! a cone. [`OdometryNoise`] is how far odometry may be off in a
-//! [`Step`] from one pose to the next.
+//! a cone; [`Depth`] is a depth camera and [`Omnidirectional`] a stereo camera that looks all round.
+//! A [`Device`] is any of them, as a robot that is simulated carries it. [`OdometryNoise`] is how
+//! far odometry may be off in a [`Step`] from one pose to the next.
 
 mod camera;
 mod clustering;
+mod depth;
+mod device;
 mod fast_kernel;
 mod gaussian;
 mod inverse_model;
@@ -21,6 +24,7 @@ mod laser;
 mod matcher;
 mod normal;
 mod odometry;
+mod omnidirectional;
 mod scan;
 mod sensor_model;
 mod sonar;
@@ -28,6 +32,8 @@ mod stereo;
 
 pub use camera::Camera;
 pub use clustering::{Clustering, Mismatches};
+pub use depth::Depth;
+pub use device::{Device, SensorKind};
 pub use fast_kernel::FastKernel;
 pub use gaussian::exp_minus;
 pub use inverse_model::{InverseModel, Placement};
@@ -36,6 +42,7 @@ pub use laser::Laser;
 pub use laser::check::LaserError;
 pub use matcher::{Matcher, Surface};
 pub use odometry::{OdometryNoise, OdometryNoiseError, Step, wrapped_rad};
+pub use omnidirectional::Omnidirectional;
 pub use scan::{Pose, Ray, Scan};
 pub use sensor_model::SensorModel;
 pub use sonar::Sonar;
