@@ -11,7 +11,7 @@ use crate::failure::Failure;
 use crate::worlds::condition::AS_BELIEVED;
 use crate::worlds::kernels;
 use crate::worlds::scenes;
-use crate::worlds::site::{Assumptions, Site};
+use crate::worlds::site::{Assumptions, Site, camera_alone};
 
 /// Side of a cell of a log's map, m.
 const CELL_M: f64 = 0.05;
@@ -59,6 +59,7 @@ impl Source {
                 "{place}: the scene has no odometry, by which a robot knows roughly how it moved; add a section [odometry] (guide scenes)"
             )));
         }
+        camera_alone(&scene, &place, "`slam`")?;
         let Site { ground, setup } = Site::of(scene, &AS_BELIEVED, &Assumptions::of(&options.prior))?;
         let simulated = scene::simulate(&ground.scene, &ground.world, &ground.drive, options.seed).scans;
         let mut truth = Vec::new();
