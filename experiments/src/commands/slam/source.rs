@@ -97,9 +97,11 @@ impl Source {
                 back += 1;
                 continue;
             }
-            scans.push(Taken { clock_s: event.scan.time_s, scan: event.scan, odometry });
+            let scan = Scan { sensor: 0, ..event.scan };
+            scans.push(Taken { clock_s: scan.time_s, scan, odometry });
         }
         let report = log.report().clone();
+        kernels::one_kind(&place, &report, "`slam`")?;
         if scans.is_empty() {
             return Err(Failure::BadInput(format!(
                 "{place}: none of its {} scans is in use; give another --window",
