@@ -27,6 +27,7 @@ pub const FILES: Brought = files![
     "scenes/plans/flat.json",
     "experiments/gates/moving.toml",
     "experiments/gates/poses.toml",
+    "experiments/gates/sensors.toml",
     "experiments/sweeps/camera.toml",
     "experiments/sweeps/cell-size.toml",
     "experiments/sweeps/lateral.toml",
