@@ -448,3 +448,52 @@ fn costmaps_hold_obstacles_where_the_robot_does_not_fit() {
         assert!(known > 1000 && right as f64 > 0.9 * known as f64, "{name}: {right} of {known}");
     }
 }
+
+/// The readings of a camera and a laser as one table, and what is said of a laser that has no echo any more.
+#[test]
+fn several_sensors_are_mapped_together_and_one_that_is_wrong_is_named() {
+    let folder = TempDir::new().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    let mut room = Command::cargo_bin("experiments").expect("built");
+    let words = ["room", "--scene", "office-glass", "--mappers", "visibility", "--out", "room"];
+    assert!(room.current_dir(folder.path()).args(words).output().expect("starts").status.success());
+    let table = fs::read_to_string(at("room/scans.csv")).expect("written");
+    assert!(table.starts_with("scan,time_s,x_m,y_m,theta_rad,bearing_rad,sensor,disparity_px,range_m,true_range_m\n"));
+    let dead = |line: &str| {
+        let mut cells: Vec<&str> = line.split(',').collect();
+        if cells[6] == "1" {
+            cells[8] = "inf";
+        }
+        cells.join(",") + "\n"
+    };
+    fs::write(at("dead.csv"), table.lines().map(dead).collect::<String>()).expect("written");
+    for (log, named) in [("room/scans.csv", None), ("dead.csv", Some("sensor 1 (a laser)"))] {
+        let words = [log, "--mappers", "visibility", "--max-range", "30", "--out", "out", "--format", "csv"];
+        let done = replay(folder.path(), &words);
+        let said = String::from_utf8(done.stderr).expect("text");
+        assert!(done.status.success(), "{said}");
+        let warned: Vec<&str> = said.lines().filter(|line| line.starts_with("warning: ")).collect();
+        match named {
+            None => assert_eq!(warned, [""; 0]),
+            Some(named) => assert!(warned.len() == 1 && warned[0].contains(named), "{said}"),
+        }
+        let by_sensor = fs::read_to_string(at("out/by-sensor.csv")).expect("written");
+        let heads = "mapper,sensor,kind,readings,predictive_log_loss,low,high,gain_over_unseen,";
+        assert!(by_sensor.starts_with(heads), "{by_sensor}");
+        let (together, apart) = (rows(&String::from_utf8(done.stdout).expect("text")), by_sensor.lines().skip(1));
+        let cells = |row: &str| row.split(',').map(str::to_owned).collect::<Vec<_>>();
+        let own: Vec<Vec<String>> = apart.map(cells).filter(|row| row[0] == "visibility").collect();
+        let numbers = own.iter().map(|row| [&row[3], &row[4]].map(|cell| cell.parse::<f64>().expect("a number")));
+        let [readings, sum] = numbers.fold([0.0; 2], |[n, sum], [of, loss]| [n + of, sum + of * loss]);
+        assert_eq!(own.len(), 2);
+        assert!((sum / readings - together[0].1).abs() < 1e-4, "the readings of all are those of each");
+    }
+    for command in ["calibrate", "speed"] {
+        let mut one = Command::cargo_bin("experiments").expect("built");
+        let words: &[&str] = if command == "speed" { &["--scans"] } else { &[] };
+        let done = one.current_dir(folder.path()).arg(command).args(words).arg("room/scans.csv").output();
+        let said = String::from_utf8(done.expect("starts").stderr).expect("text");
+        let expected = format!("room/scans.csv: holds readings of a laser and a stereo camera, and `{command}` takes");
+        assert!(said.contains(&expected), "{said}");
+    }
+}

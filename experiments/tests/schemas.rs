@@ -11,6 +11,7 @@ use experiments::commands::{gate, sweep};
 use experiments::worlds::{schema, shipped};
 use mapper::catalogue::MAPPERS;
 use scene::{Family, Scene};
+use sensor::SensorKind;
 use serde_json::Value;
 
 const KINDS: [&str; 4] = ["scene", "family", "sweep", "gate"];
@@ -65,8 +66,8 @@ fn root() -> PathBuf {
 /// The files that come with the program, of a kind; with a scene that has everything.
 fn shipped(kind: &str) -> Vec<String> {
     let text = |path: &str| fs::read_to_string(root().join(path)).expect("readable");
-    let scenes =
-        ["room", "uma", "corridor-people", "office-visits", "waiting-people"].map(|name| format!("scenes/{name}.toml"));
+    let scenes = ["room", "uma", "corridor-people", "office-glass", "office-visits", "sonar-ring", "waiting-people"]
+        .map(|name| format!("scenes/{name}.toml"));
     let families = ["closets", "clutter", "corridors", "halls", "two-rooms"].map(|name| format!("scenes/{name}.toml"));
     match kind {
         "scene" => {
@@ -85,6 +86,8 @@ fn shipped(kind: &str) -> Vec<String> {
 fn keys_of(schema: &Value, path: &str) -> BTreeSet<String> {
     let at = path.split('.').filter(|part| !part.is_empty()).fold(schema, |table, part| {
         let inner = &table["properties"][part];
+        // Of several forms, the first.
+        let inner = if inner["anyOf"].is_array() { &inner["anyOf"][0] } else { inner };
         if inner["type"] == "array" { &inner["items"] } else { inner }
     });
     at["properties"].as_object().unwrap_or_else(|| panic!("{path}: no table")).keys().cloned().collect()
@@ -117,6 +120,7 @@ fn schemas_have_the_keys_that_readers_know() {
         ("map", "[map]\nzzz = 1\n"),
         ("plan", "[plan]\nzzz = 1\n"),
         ("wall", "[[wall]]\nzzz = 1\n"),
+        ("wall.seen_by", "[[wall]]\nseen_by = { zzz = 1 }\n"),
         ("box", "[[box]]\nzzz = 1\n"),
         ("disc", "[[disc]]\nzzz = 1\n"),
         ("polygon", "[[polygon]]\nzzz = 1\n"),
@@ -148,6 +152,16 @@ fn schemas_have_the_keys_that_readers_know() {
         BTreeSet::from(["name", "description", "waypoints", "motion_seed"].map(str::to_owned)),
         "tables not tried"
     );
+    for (number, kind) in SensorKind::ALL.iter().enumerate() {
+        let text = format!("[[sensor]]\nkind = \"{}\"\nzzz = 1\n", kind.name());
+        let errors = Scene::examine(&text, Path::new("t.toml"), None).expect_err("unknown key");
+        let unknown = errors.iter().map(ToString::to_string).find(|error| error.contains("unknown key `zzz`"));
+        let (_, known) = unknown.as_deref().and_then(|text| text.split_once("known keys: ")).expect("listed");
+        let schema = schema_of("scene");
+        let of_kind = &schema["properties"]["sensor"]["anyOf"][1]["items"]["oneOf"][number]["properties"];
+        let keys: BTreeSet<&str> = of_kind.as_object().expect("a table").keys().map(String::as_str).collect();
+        assert_eq!(keys, known.split(", ").collect(), "{kind:?}");
+    }
     let text = "name = \"f\"\n[generate]\nzzz = 1\nkind = \"corridor\"\n";
     assert_eq!(keys_of(&schema_of("family"), "generate"), keys_known("family", text));
     assert_eq!(keys_of(&schema_of("family"), ""), keys_known("family", "zzz = 1\n"));

@@ -124,8 +124,9 @@ fn read(log: Result<Log<'_>, LogError>) -> Option<Found> {
         assert!(!scan.readings.is_empty() && scan.readings.len() == scan.bearings_rad.len());
         let numbers = [scan.time_s, scan.pose.x_m, scan.pose.y_m, scan.pose.theta_rad];
         assert!(numbers.iter().chain(&scan.bearings_rad).all(|v| v.is_finite()), "{scan:?}");
-        let fine = |reading: f64| match log.sensor() {
-            Sensor::Laser { .. } => reading > 0.0,
+        let kind = report.sensors.get(&scan.sensor).and_then(|sensor| sensor.kind);
+        let fine = |reading: f64| match kind.expect("a scan's sensor is in the report") {
+            Sensor::Laser { .. } | Sensor::Sonar => reading > 0.0,
             Sensor::Stereo => reading > 0.0 && reading.is_finite(),
         };
         assert!(scan.readings.iter().flatten().all(|reading| fine(*reading)), "{scan:?}");

@@ -57,9 +57,10 @@ impl Choice {
 
     /// The scan with its time since the start, if it is to be given.
     pub(crate) fn take(&mut self, recorded: Recorded, report: &mut Report) -> Option<Event> {
-        let Recorded { mut scan, sensor, mount, odometry, placed, gap, line, .. } = recorded;
+        let Recorded { mut scan, sensor, kind, mount, odometry, placed, gap, line, .. } = recorded;
         let clock_s = scan.time_s;
         scan.time_s = clock_s - self.start_s;
+        scan.sensor = sensor;
         if self.options.window_s.as_ref().is_some_and(|window| !window.contains(&scan.time_s)) {
             report.outside_window += 1;
             return None;
@@ -96,7 +97,7 @@ impl Choice {
             return None;
         }
         report.kept += 1;
-        Some(Event { scan, sensor, odometry, line })
+        Some(Event { scan, sensor, kind, odometry, line })
     }
 }
 

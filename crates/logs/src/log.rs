@@ -267,13 +267,17 @@ impl<'a> Log<'a> {
     }
 
     fn count(&mut self, recorded: &Recorded) {
-        self.report.readings(&recorded.scan.readings, recorded.kind != Sensor::Stereo);
-        self.report.sensors.entry(recorded.sensor).or_default().scans += 1;
+        self.report.readings(&recorded.scan.readings, matches!(recorded.kind, Sensor::Laser { .. }));
+        let sensor = self.report.sensors.entry(recorded.sensor).or_default();
+        sensor.scans += 1;
+        sensor.kind.get_or_insert(recorded.kind);
         let maxima = [recorded.kind, self.sensor].map(|sensor| match sensor {
             Sensor::Laser { max_range_m, .. } => max_range_m,
-            Sensor::Stereo => f64::INFINITY,
+            Sensor::Stereo | Sensor::Sonar => f64::INFINITY,
         });
-        if maxima[0].total_cmp(&maxima[1]).is_ne() && !std::mem::replace(&mut self.maximum_changed, true) {
+        let are_lasers = maxima.iter().all(|max_range_m| max_range_m.is_finite());
+        if are_lasers && maxima[0].total_cmp(&maxima[1]).is_ne() && !std::mem::replace(&mut self.maximum_changed, true)
+        {
             let [now, first] = maxima;
             let reason = format!("the maximum range is {now} m here and {first} m in the first scan; set it by option");
             self.report.note(recorded.line, reason, self.options.problems);

@@ -18,6 +18,8 @@ pub enum Sensor {
     },
     /// A stereo camera: readings are disparities in px.
     Stereo,
+    /// Sonars: readings are ranges in m of the nearest thing in a cone.
+    Sonar,
 }
 
 /// A scan with what a log tells of it beside.
@@ -25,8 +27,10 @@ pub enum Sensor {
 pub struct Event {
     /// The scan; its time is s since the first scan of the log.
     pub scan: Scan,
-    /// Which sensor took it: a key of [`Report::sensors`].
+    /// Which sensor took it: a key of [`Report::sensors`]; the scan has the same number.
     pub sensor: usize,
+    /// What that is.
+    pub kind: Sensor,
     /// Pose of the robot by its odometry, where the log has one.
     pub odometry: Option<Pose>,
     /// The line it begins on, from 1.

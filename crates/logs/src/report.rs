@@ -6,6 +6,7 @@ use std::fmt;
 use crate::fan::{Fan, FanSource};
 use crate::finding::Finding;
 use crate::motion::Motion;
+use crate::record::Sensor;
 
 /// Names of messages that the report tells apart; what comes on top is counted together.
 const MOST_NAMES: usize = 100;
@@ -24,6 +25,8 @@ pub struct Problem {
 pub struct SensorReport {
     /// Name of its messages; empty in a table.
     pub name: String,
+    /// What it is, by its first scan.
+    pub kind: Option<Sensor>,
     /// Its scans, whether kept or not.
     pub scans: u64,
     /// Scans whose pose is that of the odometry.
@@ -275,7 +278,7 @@ impl Report {
 const LEAST_FOR_ONE_BEAM: u64 = 100;
 
 fn sensor_findings(sensor: &SensorReport) -> Vec<Finding> {
-    let SensorReport { name, scans, odometry_poses, fans } = sensor;
+    let SensorReport { name, scans, odometry_poses, fans, .. } = sensor;
     let mut all = Vec::new();
     for FanReport { line, beams, fan, source, fits } in fans.iter().copied() {
         let sensor = name.clone();

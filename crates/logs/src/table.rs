@@ -9,9 +9,11 @@
 //! | `bearing_rad` | direction of the beam, -2 pi to 2 pi |
 //! | `disparity_px` | of stereo scans, as `room` writes them: no match where it is empty, NaN, 0, negative, infinite or above [`Options::max_disparity_px`] |
 //! | `range_m` | of laser scans: nothing usable where it is empty, NaN, 0 or negative; `inf` or the maximum range (80 m by default) where there was no echo |
+//! | `sonar_m` | of sonar scans, a row for each cone and the bearing of its axis: as `range_m`, of the nearest thing in the cone |
 //! | `odom_x_m`, `odom_y_m`, `odom_theta_rad` | pose of the robot by its odometry; may be missing or empty |
 //!
-//! There is one of `disparity_px` and `range_m`. Order is free, upper case is lower case and other columns are ignored. Fields are
+//! There is at least one of `disparity_px`, `range_m` and `sonar_m`. In a table with several, each sensor has its readings in one of them; without
+//! the column `sensor` the readings of each column are those of a sensor, at the same poses: the camera is number 0. Order is free, upper case is lower case and other columns are ignored. Fields are
 //! separated by commas, semicolons (then a comma can be the decimal point), tabs or blanks, whichever the first line has; they are
 //! plain numbers, in quotes or not. A line is a row, so that a stray quote costs one row, not the rest of the file. Lines that begin
 //! with `#` are comments, unless they name the columns.
@@ -24,12 +26,12 @@ mod gather;
 mod head;
 mod row;
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
-use sensor::Pose;
+use sensor::{Pose, Scan};
 
-use self::gather::{Gather, Group};
-use self::head::{Columns, TIME};
+use self::gather::{ByColumn, Gather, Group};
+use self::head::{Columns, DISPARITY, NAMES, READINGS, SONAR, TIME};
 use self::row::Row;
 use crate::options::Options;
 use crate::ranges::{Rule, check_scale, check_unit, disparity};
@@ -47,6 +49,8 @@ pub(crate) struct Table {
     /// Number and time of the last complete scan, and how many different ones there were.
     last: Option<(u64, Option<u64>)>,
     begun: u64,
+    /// Of every numbered sensor, the column of its readings, by its place in [`READINGS`].
+    kinds: BTreeMap<usize, usize>,
 }
 
 impl Table {
@@ -59,26 +63,80 @@ impl Table {
             gather: Gather::new(),
             last: None,
             begun: 0,
+            kinds: BTreeMap::new(),
         })
     }
 
-    fn finish(&mut self, group: Group) -> Recorded {
+    fn finish(&mut self, group: Group) -> Vec<Recorded> {
         if !group.is_at_once_with(self.last) {
             self.last = Some(group.instant());
             self.begun += 1;
         }
-        let Group { first, line, sensor, mut scan, mut raw, .. } = group;
-        if !self.timed() {
-            scan.time_s = (self.begun - 1) as f64;
-        }
-        let (kind, unit) = if self.columns.of_laser() {
-            let kind = Sensor::Laser { max_range_m: self.rule.max_m, beams: scan.readings.len() };
-            (kind, check_unit(&mut raw))
-        } else {
-            (Sensor::Stereo, check_scale(&mut raw, self.max_disparity_px))
+        let time_s = if self.timed() { group.scan.time_s } else { (self.begun - 1) as f64 };
+        let columns: Vec<usize> = self.columns.readings().collect();
+        let read: Vec<usize> = columns.iter().copied().filter(|kind| !group.raw[*kind].is_empty()).collect();
+        let is_numbered = group.first.sensor.is_some();
+        let kinds = match (&columns[..], &read[..]) {
+            (&[only], _) => vec![only],
+            // A sensor that says nothing in this scan is of the kind that it was.
+            (_, []) if is_numbered => vec![self.kinds.get(&group.sensor).copied().unwrap_or(columns[0])],
+            (_, []) => vec![columns[0]],
+            (_, read) => read.to_vec(),
         };
-        let (mount, odometry, number) = (Pose::default(), first.odometry, Some(first.number));
-        Recorded { scan, sensor, kind, mount, odometry, placed: true, gap: None, line, unit, number }
+        let one_kind = || {
+            let before = self.kinds.get(&group.sensor).copied();
+            (kinds.len() == 1 && before.is_none_or(|before| before == kinds[0])).then_some(()).ok_or_else(|| {
+                let all = kinds.iter().copied().chain(before).map(|kind| NAMES[READINGS[kind]]);
+                let all: BTreeSet<&str> = all.collect();
+                format!(
+                    "sensor {} has readings in {}; give each sensor a number of its own",
+                    group.sensor,
+                    all.into_iter().collect::<Vec<_>>().join(" and ")
+                )
+            })
+        };
+        let fault = if is_numbered { one_kind().err() } else { None };
+        if is_numbered && fault.is_none() && !read.is_empty() {
+            self.kinds.insert(group.sensor, kinds[0]);
+        }
+        let number = |kind: usize| match is_numbered || columns.len() == 1 {
+            true => group.sensor,
+            false => group.sensor * columns.len() + columns.iter().position(|other| *other == kind).unwrap_or(0),
+        };
+        let recorded = |kind: usize| {
+            let readings: Vec<Option<f64>> = group.readings.iter().map(|readings| readings[kind]).collect();
+            let mut raw = group.raw[kind].clone();
+            let (sensor_kind, unit) = match READINGS[kind] {
+                DISPARITY => (Sensor::Stereo, check_scale(&mut raw, self.max_disparity_px)),
+                SONAR => (Sensor::Sonar, check_unit(&mut raw)),
+                _ => (Sensor::Laser { max_range_m: self.rule.max_m, beams: readings.len() }, check_unit(&mut raw)),
+            };
+            Recorded {
+                scan: Scan { time_s, readings, ..group.scan.clone() },
+                sensor: number(kind),
+                kind: sensor_kind,
+                mount: Pose::default(),
+                odometry: group.first.odometry,
+                placed: true,
+                gap: None,
+                line: group.line,
+                unit: fault.clone().map_or(unit, Err),
+                number: Some(group.first.number),
+            }
+        };
+        kinds.iter().map(|kind| recorded(*kind)).collect()
+    }
+
+    /// What the readings of a row say, by their columns.
+    fn readings(&self, row: &Row, report: &mut Report) -> ByColumn<Option<f64>> {
+        let mut readings = [None; READINGS.len()];
+        for kind in self.columns.readings() {
+            readings[kind] = match READINGS[kind] {
+                DISPARITY => disparity(row.raw[kind], self.max_disparity_px, &mut report.codes),
+                _ => row.raw[kind].and_then(|range| self.rule.reading(range)),
+            };
+        }
+        readings
     }
 }
 
@@ -89,21 +147,17 @@ impl Parser for Table {
             return Ok(());
         }
         let row = Row::read(text, &self.columns)?;
-        let reading = if self.columns.of_laser() {
-            row.raw.and_then(|range| self.rule.reading(range))
-        } else {
-            disparity(row.raw, self.max_disparity_px, &mut report.codes)
-        };
+        let readings = self.readings(&row, report);
         let mut complete = Vec::new();
-        let outcome = self.gather.add(&row, reading, line, &mut complete);
-        out.extend(complete.into_iter().map(|group| self.finish(group)));
+        let outcome = self.gather.add(&row, readings, line, &mut complete);
+        out.extend(complete.into_iter().flat_map(|group| self.finish(group)));
         outcome
     }
 
     fn end(&mut self, report: &mut Report, out: &mut VecDeque<Recorded>) {
         let mut complete = Vec::new();
         self.gather.end(report, &mut complete);
-        out.extend(complete.into_iter().map(|group| self.finish(group)));
+        out.extend(complete.into_iter().flat_map(|group| self.finish(group)));
     }
 
     fn timed(&self) -> bool {
@@ -166,6 +220,56 @@ mod tests {
         let (all, _) = scans(head, &rows);
         assert_eq!((all.len(), all[0].kind, all[0].scan.time_s), (1, Sensor::Stereo, 0.5));
         assert_eq!(all[0].scan.readings, [Some(12.5), None, Some(100.0)], "no range, so no maximum");
+    }
+
+    const BOTH: &str = "scan,time_s,x_m,y_m,theta_rad,bearing_rad,disparity_px,range_m";
+
+    #[test]
+    fn columns_of_two_kinds_are_two_sensors() {
+        let lines = rows(&["0,0.5,1,2,0,-0.1,12.5,1.2", "0,0.5,1,2,0,0.1,,inf", "1,1.0,1,2,0,0,7,"]);
+        let (all, report) = scans(BOTH, &lines);
+        let found: Vec<_> = all.iter().map(|r| (r.sensor, r.kind, r.scan.readings.clone())).collect();
+        let laser = |beams| Sensor::Laser { max_range_m: 80.0, beams };
+        assert_eq!(
+            found,
+            [
+                (0, Sensor::Stereo, vec![Some(12.5), None]),
+                (1, laser(2), vec![Some(1.2), Some(f64::INFINITY)]),
+                (0, Sensor::Stereo, vec![Some(7.0)]),
+            ]
+        );
+        assert!(all[0].scan.is_with(&Scan { sensor: 1, ..all[1].scan.clone() }) && report.noted.is_empty());
+        assert_eq!(all[0].scan.bearings_rad, all[1].scan.bearings_rad);
+    }
+
+    #[test]
+    fn numbered_sensors_have_one_kind_each() {
+        let head = format!("{BOTH},sonar_m,sensor");
+        let lines = rows(&[
+            "0,0,0,0,0,0,,,2.5,7",
+            "0,0,0,0,0,0,4.0,,,0",
+            "0,0,0,0,0,0.1,,,,0",
+            "0,0,0.1,0,0,0.1,,3,,2",
+            "1,1,0,0,0,0,,,,7",
+            "1,1,0,0,0,0,,1.5,,0",
+            "1,1,0.1,0,0,0,5,1.5,,3",
+        ]);
+        let (mut table, mut out, mut report) = (table(&head), VecDeque::new(), Report::default());
+        for (row, line) in lines.iter().zip(2..) {
+            table.line(row.as_bytes(), line, &mut report, &mut out).expect(row);
+        }
+        table.end(&mut report, &mut out);
+        let found: Vec<_> = out.iter().map(|r| (r.sensor, r.kind, r.unit.is_ok())).collect();
+        let laser = Sensor::Laser { max_range_m: 80.0, beams: 1 };
+        assert_eq!(
+            found[..4],
+            [(7, Sensor::Sonar, true), (0, Sensor::Stereo, true), (2, laser, true), (7, Sensor::Sonar, true)]
+        );
+        let refused: Vec<&str> = out.iter().filter_map(|r| r.unit.as_ref().err().map(String::as_str)).collect();
+        let expected = |sensor: usize| {
+            format!("sensor {sensor} has readings in disparity_px and range_m; give each sensor a number of its own")
+        };
+        assert_eq!(refused, [expected(0), expected(3), expected(3)]);
     }
 
     /// Rows of two lasers, 20 scans each of 5 beams: number, sensor, beam.

@@ -26,6 +26,7 @@ fn _sightgrid(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<sensor::Sensor>()?;
     module.add_class::<sensor::Stereo>()?;
     module.add_class::<sensor::Laser>()?;
+    module.add_class::<sensor::Sonar>()?;
     module.add_class::<prior::Prior>()?;
     module.add_class::<scan::Scan>()?;
     module.add_class::<mapper::Mapper>()?;

@@ -1,5 +1,6 @@
 //! Logs of robots.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
@@ -8,7 +9,7 @@ use pyo3::prelude::*;
 
 use crate::errors::bad;
 use crate::scan::Scan;
-use crate::sensor::{Laser, Stereo};
+use crate::sensor::{Laser, Sonar, Stereo};
 
 /// A log, scan by scan: iterate over it.
 #[pyclass(frozen, module = "sightgrid")]
@@ -70,16 +71,19 @@ pub(crate) fn read_log(
 
 #[pymethods]
 impl Log {
-    /// What took the scans: a ``Laser`` or a ``Stereo`` with the usual noise (``sightgrid calibrate`` fits it).
+    /// What took the first scan, with the usual noise (``sightgrid calibrate`` fits it).
     #[getter]
     fn sensor(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         let kind = self.log.lock().unwrap_or_else(PoisonError::into_inner).sensor();
-        Ok(match kind {
-            Sensor::Laser { max_range_m, .. } => {
-                Py::new(py, Laser::of(sensor::Laser { max_range_m, ..sensor::Laser::default() }))?.into_any()
-            }
-            Sensor::Stereo => Py::new(py, Stereo::of(sensor::Stereo::default()))?.into_any(),
-        })
+        of_kind(py, kind)
+    }
+
+    /// The sensors by number, as far as the log was read: ``Mapper(name, grid, list(log.sensors.values()))`` once it was read to its end.
+    #[getter]
+    fn sensors(&self, py: Python<'_>) -> PyResult<BTreeMap<usize, Py<PyAny>>> {
+        let log = self.log.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = log.report().sensors.iter().filter_map(|(number, found)| Some((*number, found.kind?)));
+        known.map(|(number, kind)| Ok((number, of_kind(py, kind)?))).collect()
     }
 
     /// What is to be known of what was read so far: a line each.
@@ -99,6 +103,17 @@ impl Log {
         let odometry = event.odometry.map(|pose| (pose.x_m, pose.y_m, pose.theta_rad));
         Ok(Some(Event { scan: Py::new(py, Scan { scan: event.scan })?, odometry, line: event.line }))
     }
+}
+
+/// A sensor with the usual noise.
+fn of_kind(py: Python<'_>, kind: Sensor) -> PyResult<Py<PyAny>> {
+    Ok(match kind {
+        Sensor::Laser { max_range_m, .. } => {
+            Py::new(py, Laser::of(sensor::Laser { max_range_m, ..sensor::Laser::default() }))?.into_any()
+        }
+        Sensor::Stereo => Py::new(py, Stereo::of(sensor::Stereo::default()))?.into_any(),
+        Sensor::Sonar => Py::new(py, Sonar::of(sensor::Sonar::default()))?.into_any(),
+    })
 }
 
 impl Log {

@@ -50,8 +50,8 @@ pub(crate) struct Mapper {
 
 struct State {
     mapper: Box<dyn mapper::Mapper>,
-    /// What each sensor has seen, but for the scans that wait.
-    seen: Vec<Seen>,
+    /// What the sensors have seen, but for the scans that wait.
+    seen: Seen,
     waiting: Vec<sensor::Scan>,
 }
 
@@ -99,7 +99,7 @@ impl Mapper {
             max_range_m,
             ..Model::new(grid.spec, first.model.clone())
         };
-        let seen = sensors.iter().map(|sensor| Seen::new(grid.spec, sensor.reach)).collect();
+        let seen = Seen::new(grid.spec);
         let state = Mutex::new(State { mapper: entry.mapper(&model), seen, waiting: Vec::new() });
         Ok(Self { name: entry.name, kind: entry.kind, model, sensors, state })
     }
@@ -169,7 +169,7 @@ impl Mapper {
             if let Some(unseen) = unseen {
                 self.look(&mut state);
                 for (cell, value) in values.iter_mut().enumerate() {
-                    if !state.seen.iter().any(|seen| seen.cells[cell]) {
+                    if !state.seen.cells[cell] {
                         *value = unseen;
                     }
                 }
@@ -223,12 +223,8 @@ impl Mapper {
         let mut state = self.state();
         self.look(&mut state);
         let forked = state.mapper.fork().ok_or_else(|| bad(format!("{} cannot be copied", self.name)))?;
-        let seen = |(seen, sensor): (&Seen, &Sensor)| {
-            let mut copy = Seen::new(self.model.grid, sensor.reach);
-            copy.cells = seen.cells.clone();
-            copy
-        };
-        let seen = state.seen.iter().zip(&self.sensors).map(seen).collect();
+        let mut seen = Seen::new(self.model.grid);
+        seen.cells = state.seen.cells.clone();
         let copy = Mutex::new(State { mapper: forked, seen, waiting: Vec::new() });
         Ok(Self {
             name: self.name,
@@ -291,7 +287,8 @@ impl Mapper {
     /// Marks the cells of the scans that wait.
     fn look(&self, state: &mut State) {
         for scan in std::mem::take(&mut state.waiting) {
-            state.seen[scan.sensor].add(&scan, &*self.sensors[scan.sensor].model);
+            let sensor = &self.sensors[scan.sensor];
+            state.seen.add(&scan, &*sensor.model, sensor.reach);
         }
     }
 }

@@ -9,7 +9,7 @@ use sensor::SensorModel;
 
 use crate::errors::bad;
 
-/// What mappers know of a sensor: ``Stereo`` or ``Laser``.
+/// What mappers know of a sensor: ``Stereo``, ``Laser``, ``Sonar``, or one of a scene that has no class of its own.
 #[pyclass(frozen, subclass, module = "sightgrid")]
 #[derive(Clone)]
 pub(crate) struct Sensor {
@@ -213,4 +213,105 @@ impl Laser {
             "Laser(range_sigma_m={range_sigma_m}, max_range_m={max_range_m}, hit={hit}, no_echo={no_echo}, early_per_m={early_per_m})"
         )
     }
+}
+
+/// A sonar, whose readings are ranges in m of the nearest surface in a cone, and ``inf`` where nothing came back (Elfes 1987).
+///
+/// :param range_sigma_m: standard deviation of an echo, m
+/// :param max_range_m: nothing is heard beyond, m
+/// :param hit: probability of an echo from the nearest surface in the cone
+/// :param no_echo: probability of no echo although there is a surface
+/// :param early_per_m: things on no map, 1/m
+/// :param width_rad: angle between the edges of the cone, rad
+#[pyclass(frozen, extends = Sensor, module = "sightgrid")]
+pub(crate) struct Sonar {
+    sonar: sensor::Sonar,
+}
+
+impl Sonar {
+    /// The sonar as an object of Python.
+    pub(crate) fn of(sonar: sensor::Sonar) -> PyClassInitializer<Self> {
+        PyClassInitializer::from(Sensor { model: Arc::new(sonar), reach: Reach::Reading }).add_subclass(Self { sonar })
+    }
+}
+
+#[pymethods]
+impl Sonar {
+    #[new]
+    #[pyo3(signature = (
+        range_sigma_m = sensor::Sonar::default().range_sigma_m, max_range_m = sensor::Sonar::default().max_range_m,
+        hit = sensor::Sonar::default().hit, no_echo = sensor::Sonar::default().no_echo,
+        early_per_m = sensor::Sonar::default().early_per_m, width_rad = sensor::Sonar::default().width_rad,
+    ))]
+    fn new(
+        range_sigma_m: f64,
+        max_range_m: f64,
+        hit: f64,
+        no_echo: f64,
+        early_per_m: f64,
+        width_rad: f64,
+    ) -> PyResult<PyClassInitializer<Self>> {
+        let laser = sensor::Laser { range_sigma_m, max_range_m, hit, no_echo, early_per_m };
+        laser.validate().map_err(bad)?;
+        if !(width_rad > 0.0 && width_rad < std::f64::consts::PI) {
+            return Err(bad(format!("width_rad is {width_rad}; it must be an angle above 0 and below pi")));
+        }
+        Ok(Self::of(sensor::Sonar { range_sigma_m, max_range_m, hit, no_echo, early_per_m, width_rad }))
+    }
+
+    /// Standard deviation of an echo, m.
+    #[getter]
+    fn range_sigma_m(&self) -> f64 {
+        self.sonar.range_sigma_m
+    }
+
+    /// Nothing is heard beyond, m.
+    #[getter]
+    fn max_range_m(&self) -> f64 {
+        self.sonar.max_range_m
+    }
+
+    /// Probability of an echo from the nearest surface in the cone.
+    #[getter]
+    fn hit(&self) -> f64 {
+        self.sonar.hit
+    }
+
+    /// Probability of no echo although there is a surface.
+    #[getter]
+    fn no_echo(&self) -> f64 {
+        self.sonar.no_echo
+    }
+
+    /// Things on no map, 1/m.
+    #[getter]
+    fn early_per_m(&self) -> f64 {
+        self.sonar.early_per_m
+    }
+
+    /// Angle between the edges of the cone, rad.
+    #[getter]
+    fn width_rad(&self) -> f64 {
+        self.sonar.width_rad
+    }
+
+    fn __repr__(&self) -> String {
+        let sensor::Sonar { range_sigma_m, max_range_m, hit, no_echo, early_per_m, width_rad } = self.sonar;
+        format!(
+            "Sonar(range_sigma_m={range_sigma_m}, max_range_m={max_range_m}, hit={hit}, no_echo={no_echo}, early_per_m={early_per_m}, width_rad={width_rad})"
+        )
+    }
+}
+
+/// A simulated device as mappers know it: a class of its own where there is one, else a plain ``Sensor``.
+pub(crate) fn of_device(py: Python<'_>, device: &sensor::Device) -> PyResult<Py<PyAny>> {
+    Ok(match *device {
+        sensor::Device::Laser(laser) => Py::new(py, Laser::of(laser))?.into_any(),
+        sensor::Device::Sonar(sonar) => Py::new(py, Sonar::of(sonar))?.into_any(),
+        sensor::Device::Stereo(matcher) => Py::new(py, Stereo::of(matcher.stereo))?.into_any(),
+        sensor::Device::Omnidirectional(_) => {
+            Py::new(py, Sensor { model: device.model(), reach: Reach::Median })?.into_any()
+        }
+        sensor::Device::Depth(..) => Py::new(py, Sensor { model: device.model(), reach: Reach::Reading })?.into_any(),
+    })
 }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use ::grid::Raster;
 use ::score::Region;
+use ::sensor::Device;
 use experiments::worlds::condition::AS_BELIEVED;
 use experiments::worlds::scenes;
 use experiments::worlds::site::{Assumptions, Site};
@@ -15,7 +16,7 @@ use crate::arrays::{of_cells, of_truth};
 use crate::errors::{bad, of_failure};
 use crate::grid::Grid;
 use crate::scan::Scan;
-use crate::sensor::Stereo;
+use crate::sensor::{Stereo, of_device};
 
 /// A drive through a scene: what its camera read, and what is true.
 #[pyclass(frozen, module = "sightgrid")]
@@ -28,7 +29,9 @@ pub(crate) struct Simulation {
     /// Occupancy of an unseen cell, as mappers assume it.
     pub(crate) prior: f64,
     camera: ::sensor::Stereo,
-    scans: Vec<Py<Scan>>,
+    beside: Vec<Device>,
+    /// What was read at one time.
+    moments: Vec<Vec<Py<Scan>>>,
     poses: Vec<f64>,
     odometry: Option<Vec<f64>>,
 }
@@ -75,9 +78,10 @@ pub(crate) fn simulate(
         camera: ground.scene.matcher.stereo,
         poses: of_poses(&mut ground.drive.poses.iter().map(|timed| timed.pose)),
         odometry: odometry.map(|poses| of_poses(&mut poses.into_iter())),
-        scans: simulated
-            .into_iter()
-            .map(|simulated| Py::new(py, Scan { scan: simulated.scan }))
+        beside: ground.scene.sensors.iter().map(|mounted| mounted.device).collect(),
+        moments: simulated
+            .iter()
+            .map(|simulated| simulated.together().into_iter().map(|scan| Py::new(py, Scan { scan })).collect())
             .collect::<PyResult<_>>()?,
         truth: ground.truth,
     })
@@ -109,10 +113,23 @@ impl Simulation {
         Py::new(py, Stereo::of(self.camera))
     }
 
-    /// The scans in order.
+    /// The sensors by number: the camera, and those that the scene has beside it.
+    #[getter]
+    fn sensors(&self, py: Python<'_>) -> PyResult<Vec<Py<PyAny>>> {
+        let camera = Py::new(py, Stereo::of(self.camera))?.into_any();
+        [Ok(camera)].into_iter().chain(self.beside.iter().map(|device| of_device(py, device))).collect()
+    }
+
+    /// The scans in order, those of one time by the numbers of their sensors.
     #[getter]
     fn scans(&self, py: Python<'_>) -> Vec<Py<Scan>> {
-        self.scans.iter().map(|scan| scan.clone_ref(py)).collect()
+        self.moments.iter().flatten().map(|scan| scan.clone_ref(py)).collect()
+    }
+
+    /// The same as a list for every time: what several sensors read then is for ``Mapper.integrate_together``.
+    #[getter]
+    fn moments(&self, py: Python<'_>) -> Vec<Vec<Py<Scan>>> {
+        self.moments.iter().map(|scans| scans.iter().map(|scan| scan.clone_ref(py)).collect()).collect()
     }
 
     /// 1 for occupied, 0 for free, NaN for not known, at the end of the drive; ``(height, width)``.
@@ -121,16 +138,16 @@ impl Simulation {
         of_cells(py, self.truth.spec(), of_truth(&self.truth))
     }
 
-    /// True poses, a row ``x_m, y_m, theta_rad`` for every scan.
+    /// True poses of the robot, a row ``x_m, y_m, theta_rad`` for every time.
     #[getter]
     fn poses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        PyArray1::from_slice(py, &self.poses).reshape([self.scans.len(), 3])
+        PyArray1::from_slice(py, &self.poses).reshape([self.moments.len(), 3])
     }
 
     /// Poses by odometry, as ``poses``; ``None`` of a scene without.
     #[getter]
     fn odometry<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
-        self.odometry.as_ref().map(|poses| PyArray1::from_slice(py, poses).reshape([self.scans.len(), 3])).transpose()
+        self.odometry.as_ref().map(|poses| PyArray1::from_slice(py, poses).reshape([self.moments.len(), 3])).transpose()
     }
 
     /// Names of the regions that maps are scored in.
@@ -146,7 +163,7 @@ impl Simulation {
     }
 
     fn __repr__(&self) -> String {
-        format!("Simulation({:?}, seed {}, {} scans)", self.name, self.seed, self.scans.len())
+        format!("Simulation({:?}, seed {}, {} times)", self.name, self.seed, self.moments.len())
     }
 }
 

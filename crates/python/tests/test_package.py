@@ -118,6 +118,17 @@ def test_arrays_are_scored_like_worlds(room):
     assert sg.score(perfect, room.truth == 1, grid=room.grid)["iou"] == 1.0
 
 
+def test_scenes_with_several_sensors_are_mapped_together():
+    world = sg.simulate("sonar-ring")
+    assert len(world.sensors) > 1 and any(isinstance(sensor, sg.Sonar) for sensor in world.sensors)
+    assert len(world.scans) > len(world.moments) > 10 or not len(world.moments[0]) > 1
+    mapper = sg.Mapper("visibility", world.grid, world.sensors)
+    for scans in world.moments:
+        mapper.integrate_together(scans)
+    prior = sg.score(np.full(world.grid.shape, 0.1), world)["log_loss"]
+    assert sg.score(mapper.occupancy(unseen=None), world)["log_loss"] < prior
+
+
 class Counting:
     """Hits over looks, a mapper of one's own."""
 
@@ -196,6 +207,7 @@ def test_logs_are_read_and_mapped():
         (lambda w: sg.Prior(occupancy=1.0), ValueError, "below 1"),
         (lambda w: sg.Stereo(correct_match=1.5), ValueError, "correct_match is 1.5"),
         (lambda w: sg.Laser(max_range_m=-1.0), ValueError, "max_range"),
+        (lambda w: sg.Sonar(width_rad=4.0), ValueError, "width_rad is 4"),
         (lambda w: sg.Scan((0, 0, 0), np.zeros(3), np.ones(2)), ValueError, "3 bearings and 2 readings"),
         (lambda w: sg.Scan((0, np.nan, 0), np.zeros(2), np.ones(2)), ValueError, "finite"),
         (lambda w: sg.Scan((0, 0, 0), np.zeros(2), np.array([1.0, 0.0])), ValueError, "readings[1] is 0"),

@@ -1,9 +1,11 @@
 //! Whether a drive is within walls.
 
 use rayon::prelude::*;
+use sensor::Pose;
 
 use crate::drive::Drive;
 use crate::geometry::distance;
+use crate::mounted::mounted;
 use crate::scene::Scene;
 use crate::warning::Warning;
 use crate::world::World;
@@ -27,17 +29,24 @@ pub struct Enclosure {
     pub length_m: f64,
     /// Length of the drive at places from which three quarters of all directions end on an obstacle, m.
     pub inside_m: f64,
-    /// Share of the camera's rays that end on nothing, 0 to 1.
+    /// Share of all sensors' rays that end on nothing, 0 to 1; 0 of none.
     pub on_nothing: f64,
 }
 
-/// Casts the camera's rays of a drive, and rays all round its poses.
+/// Casts the rays of a drive, and rays all round its poses.
 pub fn enclosure(scene: &Scene, world: &World, drive: &Drive) -> Enclosure {
-    let bearings = scene.camera.bearings_rad();
+    let camera = (Pose::default(), scene.camera.bearings_rad());
+    let beside = scene.sensors.iter().map(|sensor| (sensor.mount, sensor.bearings_rad.clone()));
+    let sensors: Vec<(Pose, Vec<f64>)> = [camera].into_iter().chain(beside).collect();
     let turn = std::f64::consts::TAU / DIRECTIONS as f64;
     let looks = drive.poses.par_iter().map(|timed| {
         let ends = |bearing: f64| world.cast(timed.pose.position_m(), timed.pose.direction(bearing)).is_some();
-        let ended = bearings.iter().filter(|&&bearing| ends(bearing)).count();
+        let ended = |(mount, bearings): &(Pose, Vec<f64>)| {
+            let at = mounted(timed.pose, *mount);
+            let ends = |bearing: f64| world.cast(at.position_m(), at.direction(bearing)).is_some();
+            bearings.iter().filter(|&&bearing| ends(bearing)).count()
+        };
+        let ended: usize = sensors.iter().map(ended).sum();
         let round = (0..DIRECTIONS).filter(|&k| ends(k as f64 * turn)).count();
         (ended, round as f64 >= INSIDE * DIRECTIONS as f64)
     });
@@ -48,9 +57,9 @@ pub fn enclosure(scene: &Scene, world: &World, drive: &Drive) -> Enclosure {
         length_m += step_m;
         inside_m += if looks.iter().all(|(_, inside)| *inside) { step_m } else { 0.0 };
     }
-    let rays = drive.poses.len() * bearings.len();
+    let rays = drive.poses.len() * sensors.iter().map(|(_, bearings)| bearings.len()).sum::<usize>();
     let ended: usize = looks.iter().map(|(ended, _)| ended).sum();
-    Enclosure { length_m, inside_m, on_nothing: 1.0 - ended as f64 / rays.max(1) as f64 }
+    Enclosure { length_m, inside_m, on_nothing: (rays - ended) as f64 / rays.max(1) as f64 }
 }
 
 impl Enclosure {

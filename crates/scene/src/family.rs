@@ -23,7 +23,7 @@ pub struct Family {
     /// Radius of the robot, m.
     pub(crate) robot_radius_m: f64,
     /// The tables that every scene takes over, with the text of their values.
-    pub(crate) carried: Vec<(&'static str, Vec<(String, String)>)>,
+    pub(crate) carried: Vec<(String, Vec<(String, String)>)>,
     pub(crate) path: PathBuf,
     /// Where `[generate]` stands.
     pub(crate) place: Place,
@@ -195,8 +195,8 @@ impl Family {
         for (name, stops) in &layout.stages {
             let _ = write!(text, "\n[[stage]]\nname = \"{name}\"\nafter = {:?}\n", &layout.stops[..*stops]);
         }
-        for (section, entries) in &self.carried {
-            let _ = write!(text, "\n[{section}]\n");
+        for (heading, entries) in &self.carried {
+            let _ = write!(text, "\n{heading}\n");
             for (key, value) in entries {
                 let _ = writeln!(text, "{key} = {value}");
             }

@@ -22,6 +22,7 @@ mod polygon;
 mod regions;
 mod room_to_move;
 mod route;
+pub(crate) mod sensors;
 
 use std::path::Path;
 
@@ -118,6 +119,7 @@ fn checked(root: &Table, path: &Path, cell_m: Option<f64>, found: &mut Findings)
     let motion_seed = found.take(root.optional_whole("motion_seed", &limits::SEED)).flatten().unwrap_or(0);
     let camera = camera::camera(root, found);
     let matcher = camera::matcher(root, found);
+    let sensors = sensors::read(root, robot.radius_m, found);
     let odometry = odometry::read(root, found);
     let mut scene = Scene {
         name: name?,
@@ -137,6 +139,7 @@ fn checked(root: &Table, path: &Path, cell_m: Option<f64>, found: &mut Findings)
         motion_seed,
         camera,
         matcher,
+        sensors,
         robot,
         odometry,
         warnings,

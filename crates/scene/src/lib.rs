@@ -33,6 +33,7 @@ mod geometry;
 mod load;
 mod memory;
 mod motion;
+mod mounted;
 mod odometry;
 mod scene;
 mod shape;
@@ -47,9 +48,10 @@ pub use drive::{Drive, TimedPose, drive};
 /// What other files than scenes share with them: the camera's table, the limits of their numbers, and other values in the
 /// place of a file's own.
 pub mod reader {
-    pub use crate::file::camera::{CLUSTERING, stereo};
+    pub use crate::file::camera::{CLUSTERING, NOISE, stereo};
     pub use crate::file::edit::{Given, Override, with};
     pub use crate::file::limits;
+    pub use crate::file::sensors::{DEPTH, ECHO};
 }
 
 pub use enclosure::{Enclosure, enclosure};
@@ -61,10 +63,11 @@ pub use from_map::{MadeScene, MakeError, from_map, from_plan};
 pub use load::{examine, load};
 pub use memory::available as available_memory;
 pub use motion::{Motion, ThingKind};
+pub use mounted::{Mounted, SeenBy};
 pub use odometry::Odometry;
 pub use scene::{Area, Obstacle, Origin, Region, Robot, Scene, StagePlan, Stop, Waypoint};
 pub use shape::Shape;
-pub use simulate::{SimulatedScan, Simulation, Stage, simulate};
+pub use simulate::{BesideScan, Look, SimulatedScan, Simulation, Stage, simulate};
 pub use strict::{ErrorKind, Place};
 pub use survey::{Progress, Survey, SurveyError, SurveyOptions, Watch, survey, survey_watched};
 pub use things::{Behaviour, Chair, ChairMove, Door, Due, Mover, Opening, Repeat};

@@ -7,6 +7,7 @@ use sensor::{Camera, Matcher};
 use strict::Place;
 
 use crate::geometry::distance;
+use crate::mounted::{Mounted, SeenBy};
 use crate::odometry::Odometry;
 use crate::shape::Shape;
 use crate::things::{Chair, Door, Mover};
@@ -47,10 +48,12 @@ pub struct Scene {
     pub chairs: Vec<Chair>,
     /// Fixes every chance of what moves; the readings have a seed of their own.
     pub motion_seed: u64,
-    /// The camera's columns.
+    /// The camera's columns; none in a scene without a camera.
     pub camera: Camera,
     /// The camera's noise.
     pub matcher: Matcher,
+    /// The sensors beside the camera, numbered from 1.
+    pub sensors: Vec<Mounted>,
     /// The robot.
     pub robot: Robot,
     /// The robot's odometry, where the scene has one.
@@ -66,6 +69,8 @@ pub struct Obstacle {
     pub shape: Shape,
     /// Factor on the detection rate of readings on it, 0 to 1.
     pub texture: f64,
+    /// Which sensors' readings end on it.
+    pub seen_by: SeenBy,
     /// Where it comes from, for messages.
     pub origin: Origin,
 }

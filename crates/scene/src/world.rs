@@ -68,10 +68,19 @@ impl World {
 
     /// The first obstacle on the ray from `origin` (m) along the unit vector `direction`.
     pub fn cast(&self, origin: [f64; 2], direction: [f64; 2]) -> Option<Hit> {
+        self.cast_past(origin, direction, |_| true)
+    }
+
+    /// The first obstacle on the ray of those that it sees, by their indices: it passes through the others.
+    #[inline]
+    pub fn cast_past(&self, origin: [f64; 2], direction: [f64; 2], sees: impl Fn(usize) -> bool) -> Option<Hit> {
         let ray = Ray::new(vector(origin), vector(direction));
         let slabs = Slabs::of(&ray);
         let entry = |node: &BvhNode, nearest: f64| slabs.entry(node.mins(), node.maxs(), nearest);
-        let target = |leaf: u32, nearest: f64| self.targets[leaf as usize].cast(&ray, nearest);
+        let target = |leaf: u32, nearest: f64| {
+            let met = self.targets[leaf as usize].cast(&ray, nearest);
+            met.filter(|_| sees(leaf as usize))
+        };
         let found = self.tree.find_best(f64::MAX, entry, target);
         found.map(|(leaf, range_m)| Hit { range_m, obstacle: leaf as usize })
     }

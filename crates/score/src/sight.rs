@@ -78,8 +78,17 @@ impl Sightings {
     /// # Panics
     /// If the range is negative or not a number: the cast that gave it is broken.
     pub fn add(&mut self, sight: &Sight) {
-        let hit = sight.range_m.unwrap_or(f64::INFINITY);
-        assert!(hit >= 0.0, "the ray from {:?} m has the range {hit} m", sight.origin_m);
+        self.add_within(sight, f64::INFINITY);
+    }
+
+    /// The same of a ray that sees no farther than `reach_m` (m): what it hits beyond is not seen.
+    ///
+    /// # Panics
+    /// As [`add`](Self::add).
+    pub fn add_within(&mut self, sight: &Sight, reach_m: f64) {
+        let range_m = sight.range_m.unwrap_or(f64::INFINITY);
+        assert!(range_m >= 0.0, "the ray from {:?} m has the range {range_m} m", sight.origin_m);
+        let (is_hit, hit) = (sight.range_m.is_some() && range_m <= reach_m, range_m.min(reach_m));
         self.line.trace(self.truth.spec(), sight.origin_m, sight.direction, hit + SHELL_DEPTH_M);
         let mut behind_surface = false;
         let mut reached = false;
@@ -94,9 +103,10 @@ impl Sightings {
             // The first cell that ends behind the nudged hit holds it. Rounding, or a truth that
             // counts a partly covered cell as free, can leave the hit without a surface.
             reached = exit >= hit + NUDGE_M;
-            behind_surface = reached && self.truth[cell] == Some(true);
+            let hits = reached && is_hit;
+            behind_surface = hits && self.truth[cell] == Some(true);
             self.surface[cell] |= behind_surface;
-            self.hits_without_surface += usize::from(reached && !behind_surface);
+            self.hits_without_surface += usize::from(hits && !behind_surface);
             if crossed || behind_surface {
                 self.looks[cell] += 1;
                 self.nearest_m[cell] = self.nearest_m[cell].min(enter);
@@ -228,6 +238,21 @@ mod tests {
         assert_eq!(regions(&s), ["vv?vhvvv"], "an occupied cell that a ray slips through is not seen");
         assert_eq!(looks(&s), ["11111111"]);
         assert_eq!(s.hits_without_surface(), 0);
+    }
+
+    #[test]
+    fn a_ray_sees_as_far_as_it_reaches() {
+        let within = |sight: Sight, reach_m: f64| {
+            let mut s = Sightings::new(&drawn(&["...##..."]));
+            s.add_within(&sight, reach_m);
+            assert_eq!(s.hits_without_surface(), 0);
+            regions(&s)[0].clone()
+        };
+        let (hits, passes) = (sight(0.05, 0.05, RIGHT, 0.25), sight(0.05, 0.05, RIGHT, None));
+        assert_eq!(within(hits, 0.12), "vvhhhhhh", "nor is anything behind it a shell");
+        assert_eq!(within(hits, 0.25), "vvvsbhhh");
+        assert_eq!(within(passes, 0.12), "vvhhhhhh");
+        assert_eq!(within(passes, f64::INFINITY), regions(&seen(&["...##..."], &[passes]))[0]);
     }
 
     #[test]

@@ -7,11 +7,15 @@
 //! [`Matcher`] samples the disparities that such a camera would measure, with the paper's
 //! independent mismatches or with [`Clustering`] as measured on real pairs. [`Laser`] is a laser
 //! range finder, with what it measures and how it is sampled; [`Sonar`] hears the nearest thing in
-//! a cone. [`FeatureCamera`] finds point features instead of columns. [`OdometryNoise`] is how far odometry may be off in a
+//! a cone; [`Depth`] is a depth camera and [`Omnidirectional`] a stereo camera that looks all round.
+//! A [`Device`] is any of them, as a robot that is simulated carries it. [`FeatureCamera`] finds
+//! point features instead of columns. [`OdometryNoise`] is how far odometry may be off in a
 //! [`Step`] from one pose to the next.
 
 mod camera;
 mod clustering;
+mod depth;
+mod device;
 mod fast_kernel;
 mod features;
 mod gaussian;
@@ -22,6 +26,7 @@ mod laser;
 mod matcher;
 mod normal;
 mod odometry;
+mod omnidirectional;
 mod scan;
 mod sensor_model;
 mod sonar;
@@ -29,6 +34,8 @@ mod stereo;
 
 pub use camera::Camera;
 pub use clustering::{Clustering, Mismatches};
+pub use depth::Depth;
+pub use device::{Device, SensorKind};
 pub use fast_kernel::FastKernel;
 pub use features::{FeatureCamera, FeatureCameraError, FeatureReading, FeatureScan};
 pub use gaussian::exp_minus;
@@ -38,6 +45,7 @@ pub use laser::Laser;
 pub use laser::check::LaserError;
 pub use matcher::{Matcher, Surface};
 pub use odometry::{OdometryNoise, OdometryNoiseError, Step, wrapped_rad};
+pub use omnidirectional::Omnidirectional;
 pub use scan::{Pose, Ray, Scan};
 pub use sensor_model::SensorModel;
 pub use sonar::Sonar;

@@ -154,8 +154,11 @@ fn facts(ground: &Ground) -> Result<Vec<Fact>, Failure> {
     // What rays meet does not depend on the seed.
     for (number, scan) in scene::simulate(scene, &ground.world, &ground.drive, 0).scans.iter().enumerate() {
         witness.look(ground, number, scan)?;
-        rays += scan.true_ranges_m.len();
-        hits += scan.true_ranges_m.iter().flatten().count();
+        let beside = scan.beside.iter().map(|beside| &beside.true_ranges_m);
+        for ranges in [&scan.true_ranges_m].into_iter().chain(beside) {
+            rays += ranges.len();
+            hits += ranges.iter().flatten().count();
+        }
     }
     let (seen, truths) = (&witness.seen, ground.still().values());
     let known = truths.iter().flatten().count();
@@ -177,6 +180,11 @@ fn facts(ground: &Ground) -> Result<Vec<Fact>, Failure> {
         ("rays that end on an obstacle".to_owned(), json!(hits), "1"),
         ("... but in no occupied cell".to_owned(), json!(seen.hits_without_surface()), "1"),
     ];
+    let sensors = scene.sensors.iter().map(|sensor| {
+        let what = format!("rays of {}, a sensor of kind {}", sensor.name, sensor.device.kind().name());
+        (what, json!(sensor.bearings_rad.len()), "1")
+    });
+    facts.extend(sensors);
     let moving = [("people", scene.movers.len()), ("doors", scene.doors.len()), ("chairs", scene.chairs.len())];
     facts.extend(moving.iter().filter(|(_, n)| *n > 0).map(|(what, n)| ((*what).to_owned(), json!(n), "1")));
     for (name, scans) in &ground.drive.stage_ends {

@@ -19,7 +19,7 @@ macro_rules! pages {
     ($($name:literal),* $(,)?) => { [$(($name, include_str!(concat!("../../guide/", $name, ".md")))),*] };
 }
 
-const PAGES: [(&str, &str); 28] = pages![
+const PAGES: [(&str, &str); 29] = pages![
     "introduction",
     "commands",
     "room",
@@ -30,6 +30,7 @@ const PAGES: [(&str, &str); 28] = pages![
     "scenes",
     "families",
     "moving",
+    "sensors",
     "poses",
     "maps-and-plans",
     "convert",

@@ -53,8 +53,7 @@ pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
     )?;
     let recording = Recording::of(options)?;
     threads::limit(options.threads.count)?;
-    let sensor = options.sensor(recording.scans()?.sensor())?;
-    let survey = Survey::of(&recording, options.reach, &*sensor)?;
+    let survey = Survey::of(&recording, options.reach, &|kind| options.sensor(kind))?;
     reading::tell_before_mapping(&recording.place(), &survey.report);
     options.tell_idle(&recording.place(), &survey.report, survey.sensor);
     if survey.kept == 0 {
@@ -79,7 +78,8 @@ pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
         reconciliation: options.prior.reconciliation(),
         repeats: options.repeats(),
         max_range_m: options.map_range.unwrap_or(f64::INFINITY),
-        ..Model::new(grid, sensor)
+        sensors: survey.models(),
+        ..Model::new(grid, options.sensor(survey.sensor)?)
     };
     let copies = 1 + FOLDS;
     let bytes = memory::of_mapping(&setup.grid, &entries, &setup, copies) + memory::besides(&setup.grid);
@@ -94,7 +94,7 @@ pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
     let maps = mapping::map(&recording, &survey, options.hold_out, &entries, &setup)?;
     let seconds = mapping.elapsed().as_secs_f64();
     let predictions =
-        Predictions::of(&recording, (options.hold_out, survey.kept), &maps, &setup, options.spread(survey.sensor))?;
+        Predictions::of(&recording, (options.hold_out, &survey), &maps, &setup, &|kind| options.spread(kind))?;
     outputs::tell_agreement(&recording.place(), &survey, &predictions, &setup);
     let told = outputs::Told { options, survey: &survey, setup: &setup, maps: &maps, predictions: &predictions };
     outputs::write(&mut staging, &recording, &told)?;

@@ -29,6 +29,8 @@ pub(crate) enum Spread {
     Range(f64),
     /// Of a disparity, px.
     Disparity(f64),
+    /// Of what is somewhere in a cone: where it ends is not known, so that it says nothing.
+    Cone,
 }
 
 /// Readings that were looked at, and those of them that end near a surface.
@@ -62,6 +64,7 @@ impl Agreement {
                 Spread::Disparity(sigma_px) => sensor
                     .range_of(reading - SIGMAS * sigma_px, ray.bearing_rad)
                     .map_or(FARTHEST_M, |farther_m| farther_m - range_m),
+                Spread::Cone => continue,
             };
             let within_m = deviation_m.clamp(0.0, FARTHEST_M).max(CELLS * map.spec().cell_m);
             let near = is_near_surface(map, cell, end, within_m);

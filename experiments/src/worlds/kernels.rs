@@ -1,14 +1,15 @@
 //! What mappers know of the sensor that took a log.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use clap::Args;
-use logs::Sensor;
-use sensor::{Laser, SensorModel, Stereo};
+use logs::{Report, Sensor};
+use sensor::{Laser, SensorModel, Sonar, Stereo};
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
-use crate::output::args::{positive, probability};
+use crate::output::args::{number, positive, probability};
 
 /// A sensor that mappers share.
 pub type Shared = Arc<dyn SensorModel>;
@@ -47,6 +48,53 @@ pub struct StereoOptions {
     pub max_disparity: f64,
 }
 
+/// The kernel of a sonar; the shares of its echoes are the usual ones.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct SonarOptions {
+    /// Range beyond which a sonar hears nothing, m
+    #[arg(long, help_heading = "Sonar", value_name = "M", default_value_t = Sonar::default().max_range_m, allow_negative_numbers = true, value_parser = positive)]
+    pub sonar_range: f64,
+    /// Angle between the edges of its cone, degrees
+    #[arg(long, help_heading = "Sonar", value_name = "DEG", default_value_t = 30.0, allow_negative_numbers = true, value_parser = cone)]
+    pub sonar_width: f64,
+}
+
+impl SonarOptions {
+    /// The sonar that they describe.
+    pub fn sonar(&self) -> Sonar {
+        Sonar { max_range_m: self.sonar_range, width_rad: self.sonar_width.to_radians(), ..Sonar::default() }
+    }
+}
+
+fn cone(text: &str) -> Result<f64, String> {
+    number(text, "of degrees from 0.1 to 170", |value| (0.1..=170.0).contains(&value))
+}
+
+/// What a kind of sensor is called in messages.
+pub fn called(sensor: Sensor) -> &'static str {
+    match sensor {
+        Sensor::Laser { .. } => "a laser",
+        Sensor::Stereo => "a stereo camera",
+        Sensor::Sonar => "sonars",
+    }
+}
+
+/// Refuses a log of several kinds of sensors, and of sonars, where one laser or camera is taken; `what` takes it.
+///
+/// # Errors
+/// Such a log.
+pub fn one_kind(place: &str, report: &Report, what: &str) -> Result<(), Failure> {
+    let kinds: BTreeSet<&str> = report.sensors.values().filter_map(|sensor| sensor.kind).map(called).collect();
+    let one = kinds.len() <= 1 && !kinds.contains(called(Sensor::Sonar));
+    one.then_some(()).ok_or_else(|| {
+        Failure::BadInput(format!(
+            "{place}: holds readings of {}, and {what} takes those of lasers or of a stereo camera; leave the columns of the others out, or map \
+             it with `replay`",
+            kinds.into_iter().collect::<Vec<_>>().join(" and ")
+        ))
+    })
+}
+
 /// The model of the sensor that took a log.
 ///
 /// # Errors
@@ -63,11 +111,12 @@ pub fn sensor(place: &str, sensor: Sensor, (laser, stereo): (LaserOptions, Stere
             let StereoOptions { focal_baseline, disparity_sigma, correct_match, max_disparity } = stereo;
             Ok(Arc::new(Stereo { focal_baseline, disparity_sigma, correct_match, max_disparity }))
         }
+        Sensor::Sonar => Ok(Arc::new(Sonar::default())),
     }
 }
 
 /// What the options say of a log's sensor, for the record.
-pub fn record(kind: Sensor, laser: LaserOptions, stereo: StereoOptions) -> Value {
+pub fn record(kind: Sensor, laser: LaserOptions, stereo: StereoOptions, sonar: Sonar) -> Value {
     let LaserOptions { range_sigma, hit, no_echo, early } = laser;
     let StereoOptions { focal_baseline, disparity_sigma, correct_match, max_disparity } = stereo;
     match kind {
@@ -78,5 +127,6 @@ pub fn record(kind: Sensor, laser: LaserOptions, stereo: StereoOptions) -> Value
             "focal_baseline": focal_baseline, "disparity_sigma": disparity_sigma, "correct_match": correct_match,
             "max_disparity": max_disparity,
         }),
+        Sensor::Sonar => json!(sonar),
     }
 }

@@ -43,10 +43,11 @@ impl WrongPoses {
         rng.set_stream(FRESH);
         let mut fresh = |sigma: f64| sigma * rng.sample::<f64, _>(StandardNormal);
         for (scan, (drifted, driven)) in simulation.scans.iter_mut().zip(drifted.iter().zip(&driven)) {
-            let pose = &mut scan.scan.pose;
+            let mut pose = scan.scan.pose;
             pose.x_m += drifted.x_m - driven.x_m + fresh(self.sigma_m);
             pose.y_m += drifted.y_m - driven.y_m + fresh(self.sigma_m);
             pose.theta_rad += drifted.theta_rad - driven.theta_rad + fresh(self.sigma_rad);
+            scan.move_to(pose);
         }
     }
 }
@@ -55,11 +56,12 @@ impl WrongPoses {
 pub fn moved(simulation: &mut Simulation, by: &Alignment) {
     let (sin, cos) = libm::sincos(by.turn_rad);
     for scan in &mut simulation.scans {
-        let pose = &mut scan.scan.pose;
+        let mut pose = scan.scan.pose;
         let [x, y] = [pose.x_m - by.pivot_m[0], pose.y_m - by.pivot_m[1]];
         pose.x_m = by.pivot_m[0] + by.shift_m[0] + cos * x - sin * y;
         pose.y_m = by.pivot_m[1] + by.shift_m[1] + sin * x + cos * y;
         pose.theta_rad += by.turn_rad;
+        scan.move_to(pose);
     }
 }
 

@@ -82,8 +82,13 @@ const OF_FANS: [&str; 3] = ["fov", "first_bearing", "increment"];
 
 /// Warns of options that have no effect, since they are of another sensor than the log's.
 pub(crate) fn tell_idle(given: &Given, place: &str, report: &Report, sensor: Sensor) {
+    let kinds = report.sensors.values().filter_map(|sensor| sensor.kind).map(|kind| std::mem::discriminant(&kind));
+    if kinds.collect::<std::collections::HashSet<_>>().len() > 1 {
+        return; // each option is of one of the sensors
+    }
     match sensor {
         Sensor::Stereo => given.warn(&OF_LASERS, place, "a log of a stereo camera"),
+        Sensor::Sonar => given.warn(&[&OF_LASERS[..], &OF_CAMERAS].concat(), place, "a log of sonars"),
         Sensor::Laser { .. } => {
             given.warn(&OF_CAMERAS, place, "a log of a laser");
             if report.sensors.values().all(|sensor| sensor.name.is_empty()) {

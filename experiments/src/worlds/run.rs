@@ -4,17 +4,18 @@ use std::sync::Arc;
 
 use grid::Raster;
 use mapper::catalogue::{Entry, Kind};
-use mapper::{Mapper, Model, Sensors};
+use mapper::{Mapper, Model};
 use rayon::prelude::*;
 use scene::{SimulatedScan, Simulation};
 use score::{Alignment, Lag, Metric, MovingRegion, Region, Retention, Scorer, Sightings, log_loss};
-use sensor::{Scan, Stereo};
+use sensor::{Device, Scan, Stereo};
 use serde::Serialize;
 
 use super::drives;
 use super::film::{self, Frame, Judge};
 use super::ground::{Driven, Ground};
 use super::poses;
+use super::site::sensors;
 use super::witness::Witness;
 use crate::failure::Failure;
 
@@ -151,7 +152,7 @@ impl Ground {
         }
         let mut witness = Witness::new(self);
         let (mut reached, mut moving) = (Vec::new(), Vec::new());
-        let sharp = Model { sensors: Sensors::one(Arc::new(self.sharp())), ..setup.clone() };
+        let sharp = Model { sensors: sensors(Arc::new(self.sharp()), &self.scene, Device::sharp), ..setup.clone() };
         let setup = |entry: &Entry| if entry.kind == Kind::NoiseFree { &sharp } else { setup };
         let mut walks: Vec<Walk> = mappers.iter().map(|entry| Walk::new(entry, setup(entry), self)).collect();
         let noise_free = mappers.iter().any(|entry| entry.kind == Kind::NoiseFree);
@@ -162,9 +163,11 @@ impl Ground {
             let stages = simulation.stages.iter().filter(|stage| stage.scans == i + 1).count();
             let is_kept = keep.frames.binary_search(&(i + 1)).is_ok();
             let movement = witness.movement.as_ref().filter(|_| is_kept || stages > 0);
+            let together = if simulated.beside.is_empty() { Vec::new() } else { simulated.together() };
             let now = Now {
                 scans: i + 1,
-                scan: &simulated.scan,
+                time_s: simulated.scan.time_s,
+                read: if together.is_empty() { std::slice::from_ref(&simulated.scan) } else { &together },
                 noise_free: noise_free.then(|| self.noise_free(simulated)),
                 witness: &witness,
                 truth: witness.truth(self),
@@ -193,11 +196,18 @@ impl Ground {
         Stereo { disparity_sigma: 0.05, correct_match: 0.99, ..self.scene.matcher.stereo }
     }
 
-    /// The scan that a perfect camera would have read: every column, no noise.
-    fn noise_free(&self, simulated: &SimulatedScan) -> Scan {
+    /// The scans that perfect sensors would have read: every column, no noise.
+    fn noise_free(&self, simulated: &SimulatedScan) -> Vec<Scan> {
         let read = |(&bearing, range): (&f64, &Option<f64>)| self.scene.matcher.noise_free((*range)?, bearing);
         let readings = simulated.scan.bearings_rad.iter().zip(&simulated.true_ranges_m).map(read).collect();
-        Scan { readings, ..simulated.scan.clone() }
+        let camera = Scan { readings, ..simulated.scan.clone() };
+        let beside = simulated.beside.iter().map(|beside| {
+            let device = &self.scene.sensors[beside.scan.sensor - 1].device;
+            let rays = beside.scan.bearings_rad.iter().zip(&beside.true_ranges_m);
+            let readings = rays.map(|(bearing_rad, range_m)| device.noise_free(*range_m, *bearing_rad)).collect();
+            Scan { readings, ..beside.scan.clone() }
+        });
+        [camera].into_iter().chain(beside).collect()
     }
 
     /// Every metric over every region: those that follow from the rays, those the scene names, and those of a world that moves; and of drives.
@@ -249,8 +259,10 @@ impl Ground {
 /// A scan and what is to be done after it.
 struct Now<'a> {
     scans: usize,
-    scan: &'a Scan,
-    noise_free: Option<Scan>,
+    time_s: f64,
+    /// What all sensors read at that time.
+    read: &'a [Scan],
+    noise_free: Option<Vec<Scan>>,
     witness: &'a Witness,
     /// The truth of the moment.
     truth: &'a Raster<Option<bool>>,
@@ -299,7 +311,8 @@ impl Walk {
 
     /// One more scan. A batch mapper has a map, and so retention, at the ends of stages only.
     fn step(&mut self, ground: &Ground, now: &Now) -> Result<Option<Moment>, Failure> {
-        self.mapper.integrate(now.noise_free.as_ref().filter(|_| self.kind == Kind::NoiseFree).unwrap_or(now.scan));
+        let noise_free = now.noise_free.as_deref().filter(|_| self.kind == Kind::NoiseFree);
+        self.mapper.integrate_together(noise_free.unwrap_or(now.read));
         let has_map = self.kind != Kind::Batch || now.stages > 0;
         if has_map {
             self.mapper.settle();
@@ -340,7 +353,7 @@ impl Walk {
         }
         let Some(observable) = now.observable.as_ref().filter(|_| self.kind != Kind::Batch) else { return Ok(None) };
         let moment = Moment {
-            time_s: now.scan.time_s,
+            time_s: now.time_s,
             log_loss: log_loss(map, now.truth, observable)?.value,
             retention: self.retention.metric(None)?.value,
         };

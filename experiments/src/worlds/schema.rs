@@ -6,6 +6,7 @@
 mod family;
 mod moving;
 mod scene;
+mod sensors;
 
 use serde_json::{Map, Value, json};
 use strict::Limit;

@@ -19,23 +19,22 @@ pub enum Reach {
 /// Cells that a ray has crossed or ended in.
 pub struct Seen {
     pub cells: Raster<bool>,
-    reach: Reach,
     line: DigitalLine,
 }
 
 impl Seen {
     /// None yet.
-    pub fn new(grid: GridSpec, reach: Reach) -> Self {
-        Self { cells: Raster::filled(grid, false), reach, line: DigitalLine::default() }
+    pub fn new(grid: GridSpec) -> Self {
+        Self { cells: Raster::filled(grid, false), line: DigitalLine::default() }
     }
 
-    /// Marks the cells of a scan.
-    pub fn add(&mut self, scan: &Scan, sensor: &dyn SensorModel) {
+    /// Marks the cells of a scan, whose readings are relied on so far. Of a cone, those along its axis.
+    pub fn add(&mut self, scan: &Scan, sensor: &dyn SensorModel, reach: Reach) {
         let range = |(reading, bearing): (&Option<f64>, &f64)| sensor.range_of((*reading)?, *bearing);
         let ranges_m: Vec<Option<f64>> = scan.readings.iter().zip(&scan.bearings_rad).map(range).collect();
         for (k, ray) in scan.rays().enumerate() {
             let Some(range_m) = ranges_m[k] else { continue };
-            let reach_m = match self.reach {
+            let reach_m = match reach {
                 Reach::Reading => range_m,
                 Reach::Median => range_m.min(median_about(&ranges_m, k)),
             };

@@ -3,10 +3,9 @@
 use std::fmt;
 use std::sync::Arc;
 
-use mapper::Model;
-use mapper::{Prior, Reconciliation, Tuning};
+use mapper::{Model, Prior, Reconciliation, Sensors, Tuning};
 use scene::{Family, Scene, Variation};
-use sensor::Stereo;
+use sensor::{Device, SensorModel, Stereo};
 use serde::{Deserialize, Serialize};
 
 use super::condition::{Condition, condition};
@@ -92,7 +91,8 @@ impl Site {
         let Assumptions { prior, reconciliation, tuning, max_range_m, camera } = assumed.clone();
         let camera = Arc::new(camera.unwrap_or(scene.matcher.stereo));
         let max_range_m = max_range_m.unwrap_or(f64::INFINITY);
-        let setup = Model { prior, reconciliation, tuning, max_range_m, ..Model::new(scene.grid, camera) };
+        let sensors = sensors(camera.clone(), &scene, |device| *device);
+        let setup = Model { sensors, prior, reconciliation, tuning, max_range_m, ..Model::new(scene.grid, camera) };
         (condition.camera)(&mut scene.matcher);
         Ok(Self { ground: Ground::new(scene, prior.occupancy)?.with_poses(condition.poses), setup })
     }
@@ -107,6 +107,26 @@ impl Site {
         let crowded = condition.people_per_100_m2.map(|people| family.clone().with_people(people));
         let family = crowded.as_ref().unwrap_or(family);
         Self::of(family.scene(world.seed, world.cell_m(), &variation)?, condition, assumed)
+    }
+}
+
+/// The sensors of a scene, as mappers assume them: the camera's model, and those that are made of the devices beside it.
+pub fn sensors(camera: Arc<dyn SensorModel>, scene: &Scene, assumed: impl Fn(&Device) -> Device) -> Sensors {
+    let beside = scene.sensors.iter().map(|sensor| assumed(&sensor.device).model());
+    Sensors::new([camera].into_iter().chain(beside).collect())
+}
+
+/// Refuses a scene of several sensors where one is taken; `what` takes it, and `place` is the scene's.
+///
+/// # Errors
+/// Sensors beside the camera, or no camera.
+pub fn camera_alone(scene: &Scene, place: &str, what: &str) -> Result<(), Failure> {
+    match scene.sensors.len() {
+        0 => Ok(()),
+        count => Err(Failure::BadInput(format!(
+            "{place}: the robot carries {count} sensors of [[sensor]], and {what} takes the readings of the camera alone; take them out, or map the \
+             scene with `room`"
+        ))),
     }
 }
 

@@ -3,6 +3,7 @@
 use grid::Raster;
 use scene::SimulatedScan;
 use score::{Moving, NEAR_LOOK_M, Region, ScoreError, Sight, Sightings};
+use sensor::Pose;
 
 use super::ground::Ground;
 
@@ -45,11 +46,11 @@ impl Witness {
             movement.moving.moved(&movement.covered)?;
             self.seen.set_truth(movement.moving.truth())?;
             let mut alone = Sightings::new(movement.moving.truth());
-            sights(ground, scan, simulated).for_each(|sight| alone.add(&sight));
+            sights(ground, scan, simulated).for_each(|(sight, reach_m)| alone.add_within(&sight, reach_m));
             movement.moving.looked(&alone.mask(Region::Observable))?;
             movement.near = alone.seen_within(NEAR_LOOK_M);
         }
-        sights(ground, scan, simulated).for_each(|sight| self.seen.add(&sight));
+        sights(ground, scan, simulated).for_each(|(sight, reach_m)| self.seen.add_within(&sight, reach_m));
         Ok(())
     }
 
@@ -59,15 +60,25 @@ impl Witness {
     }
 }
 
-/// The rays of a scan without its noise, from where the robot truly stood: the recorded pose may jitter.
-fn sights<'a>(ground: &Ground, scan: usize, simulated: &'a SimulatedScan) -> impl Iterator<Item = Sight> + use<'a> {
+/// The rays of all sensors without their noise, and how far they see, m; from where the robot truly stood: the recorded pose may jitter.
+fn sights<'a>(
+    ground: &Ground,
+    scan: usize,
+    simulated: &'a SimulatedScan,
+) -> impl Iterator<Item = (Sight, f64)> + use<'a> {
     let pose = ground.drive.poses[scan].pose;
-    let rays = simulated.scan.bearings_rad.iter().zip(&simulated.true_ranges_m);
-    rays.map(move |(&bearing, &range_m)| Sight {
+    let sight = |pose: Pose, bearing_rad: f64, range_m: Option<f64>| Sight {
         origin_m: pose.position_m(),
-        direction: pose.direction(bearing),
+        direction: pose.direction(bearing_rad),
         range_m,
-    })
+    };
+    let rays = simulated.scan.bearings_rad.iter().zip(&simulated.true_ranges_m);
+    let of_camera = rays.map(move |(&bearing, &range_m)| (sight(pose, bearing, range_m), f64::INFINITY));
+    let beside = simulated.beside.iter().flat_map(move |beside| {
+        let pose = beside.mounted_on(pose);
+        beside.looks.iter().map(move |look| (sight(pose, look.bearing_rad, look.range_m), look.reach_m))
+    });
+    of_camera.chain(beside)
 }
 
 #[cfg(test)]

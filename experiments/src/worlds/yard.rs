@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use scene::{Drive, Obstacle, Scene, ThingKind, World};
+use scene::{Drive, Obstacle, Scene, SeenBy, ThingKind, World};
 use score::navigation::{Navigation, Planning};
 
 /// The world at a moment, and the drives that are asked for in it.
@@ -48,6 +48,7 @@ fn stopped(scans: usize, scene: &Scene, drive: &Drive) -> Scene {
     scene.obstacles.extend(standing.map(|(thing, shape)| Obstacle {
         shape: shape.clone(),
         texture: motion.texture(thing),
+        seen_by: SeenBy::ALL,
         origin: motion.origin(thing).clone(),
     }));
     scene

@@ -4,6 +4,7 @@ use std::collections::{HashMap, HashSet, VecDeque};
 
 use sensor::Scan;
 
+use super::head::READINGS;
 use super::row::Row;
 use crate::finding::Finding;
 use crate::record::Fault;
@@ -52,15 +53,29 @@ pub(super) struct Group {
     pub(super) line: u64,
     /// The sensor's number; where the table has none, in the order of rows at that time.
     pub(super) sensor: usize,
+    /// The scan but for its readings.
     pub(super) scan: Scan,
-    /// Readings as they stand.
-    pub(super) raw: Vec<f64>,
+    /// The readings of every row, by their columns.
+    pub(super) readings: Vec<ByColumn<Option<f64>>>,
+    /// Readings as they stand, by their columns.
+    pub(super) raw: ByColumn<Vec<f64>>,
 }
+
+/// A value for each of [`READINGS`].
+pub(super) type ByColumn<T> = [T; READINGS.len()];
 
 impl Group {
     fn new(key: Key, first: Row, line: u64, ordinal: usize) -> Self {
         let scan = Scan { time_s: first.time_s.unwrap_or(0.0), pose: first.pose, ..Scan::default() };
-        Self { key, first, line, sensor: first.sensor.unwrap_or(ordinal), scan, raw: Vec::new() }
+        Self {
+            key,
+            first,
+            line,
+            sensor: first.sensor.unwrap_or(ordinal),
+            scan,
+            readings: Vec::new(),
+            raw: Default::default(),
+        }
     }
 
     /// Whether a scan has the same number and time.
@@ -73,16 +88,16 @@ impl Group {
         self.key.instant
     }
 
-    fn add(&mut self, row: &Row, reading: Option<f64>) -> Result<(), Fault> {
-        if self.scan.readings.len() == MOST_BEAMS {
+    fn add(&mut self, row: &Row, readings: ByColumn<Option<f64>>) -> Result<(), Fault> {
+        if self.readings.len() == MOST_BEAMS {
             return Err(Fault::Damage(format!(
                 "scan {} has more than {MOST_BEAMS} rows; give its other beams another number",
                 row.number
             )));
         }
         self.scan.bearings_rad.push(row.bearing_rad);
-        self.scan.readings.push(reading);
-        self.raw.extend(row.raw);
+        self.readings.push(readings);
+        self.raw.iter_mut().zip(row.raw).for_each(|(all, raw)| all.extend(raw));
         Ok(())
     }
 
@@ -92,9 +107,9 @@ impl Group {
         if bearings.is_sorted() || bearings.iter().rev().is_sorted() {
             return;
         }
-        let mut beams: Vec<_> = bearings.iter().copied().zip(self.scan.readings.iter().copied()).collect();
+        let mut beams: Vec<_> = bearings.iter().copied().zip(self.readings.iter().copied()).collect();
         beams.sort_by(|a, b| a.0.total_cmp(&b.0));
-        (self.scan.bearings_rad, self.scan.readings) = beams.into_iter().unzip();
+        (self.scan.bearings_rad, self.readings) = beams.into_iter().unzip();
     }
 }
 
@@ -141,7 +156,7 @@ impl Gather {
     pub(super) fn add(
         &mut self,
         row: &Row,
-        reading: Option<f64>,
+        readings: ByColumn<Option<f64>>,
         line: u64,
         out: &mut Vec<Group>,
     ) -> Result<(), Fault> {
@@ -161,7 +176,7 @@ impl Gather {
             Order::Probe { .. } | Order::Spread => self.places.get(&key).copied(),
         };
         let place = place.unwrap_or_else(|| self.begin(key, row, line, out));
-        self.open[place].add(row, reading)
+        self.open[place].add(row, readings)
     }
 
     /// The table ends: adds all scans.

@@ -4,7 +4,7 @@ use crate::carmen::is_message_name;
 use crate::fields::number;
 
 /// Names of the columns.
-pub(super) const NAMES: [&str; 12] = [
+pub(super) const NAMES: [&str; 13] = [
     "scan",
     "time_s",
     "x_m",
@@ -17,6 +17,7 @@ pub(super) const NAMES: [&str; 12] = [
     "odom_x_m",
     "odom_y_m",
     "odom_theta_rad",
+    "sonar_m",
 ];
 // Where each stands in NAMES.
 pub(super) const SCAN: usize = 0;
@@ -29,6 +30,10 @@ pub(super) const DISPARITY: usize = 6;
 pub(super) const RANGE: usize = 7;
 pub(super) const SENSOR: usize = 8;
 pub(super) const ODOMETRY: [usize; 3] = [9, 10, 11];
+pub(super) const SONAR: usize = 12;
+
+/// The columns of readings, in the order of the sensors of a table that does not number them.
+pub(super) const READINGS: [usize; 3] = [DISPARITY, RANGE, SONAR];
 
 /// What a first line is.
 #[derive(Debug, PartialEq, Eq)]
@@ -113,7 +118,7 @@ impl Columns {
     pub(super) fn new(head: &[u8]) -> Result<Self, String> {
         let names = names(head);
         let must = [SCAN, X, Y, THETA, BEARING];
-        let all = || must.map(|k| NAMES[k]).join(",") + " and range_m or disparity_px";
+        let all = || must.map(|k| NAMES[k]).join(",") + " and one of range_m, disparity_px and sonar_m";
         if names.iter().all(|name| number(name.as_bytes()).is_some()) {
             let hint = if names.len() == 8 { "; a trajectory is given beside a log (--trajectory)" } else { "" };
             return Err(format!(
@@ -141,9 +146,9 @@ impl Columns {
                 all()
             ));
         }
-        if places[DISPARITY].is_some() == places[RANGE].is_some() {
-            let found = if places[RANGE].is_some() { "both are there" } else { "both are missing" };
-            return Err(format!("columns disparity_px and range_m: {found}; give one of them"));
+        if READINGS.iter().all(|reading| places[*reading].is_none()) {
+            return Err("columns disparity_px, range_m and sonar_m: all are missing; give one for each kind of sensor"
+                .to_owned());
         }
         Ok(Self { separator: Separator::of(head), width: names.len(), places })
     }
@@ -153,9 +158,9 @@ impl Columns {
         self.places[name]
     }
 
-    /// Whether readings are ranges.
-    pub(super) fn of_laser(&self) -> bool {
-        self.places[RANGE].is_some()
+    /// Which columns of readings there are, by their places in [`READINGS`].
+    pub(super) fn readings(&self) -> impl Iterator<Item = usize> {
+        (0..READINGS.len()).filter(|kind| self.places[READINGS[*kind]].is_some())
     }
 }
 
@@ -197,8 +202,7 @@ mod tests {
             ),
             ("0,0,0,0,0,1.5", "6 numbers, and no names of columns; the first line must have scan,x_m"),
             ("1.5 0 0 0 0 0 0 1", "a trajectory is given beside a log"),
-            ("scan,x_m,y_m,theta_rad,bearing_rad", "columns disparity_px and range_m: both are missing"),
-            (&format!("{HEAD},disparity_px"), "columns disparity_px and range_m: both are there"),
+            ("scan,x_m,y_m,theta_rad,bearing_rad", "columns disparity_px, range_m and sonar_m: all are missing"),
             (&format!("{HEAD},x_m"), "column x_m: is there twice"),
         ] {
             let found = Columns::new(head.as_bytes()).err().unwrap_or_default();

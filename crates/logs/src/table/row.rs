@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use sensor::Pose;
 
-use super::head::{BEARING, Columns, DISPARITY, NAMES, ODOMETRY, RANGE, SCAN, SENSOR, Separator, THETA, TIME, X, Y};
+use super::head::{BEARING, Columns, NAMES, ODOMETRY, READINGS, SCAN, SENSOR, Separator, THETA, TIME, X, Y};
 use crate::bounds::{FAR_M, LATE_S, WOUND_RAD};
 use crate::fields::{number, quoted};
 
@@ -22,8 +22,8 @@ pub(super) struct Row {
     pub(super) sensor: Option<usize>,
     pub(super) odometry: Option<Pose>,
     pub(super) bearing_rad: f64,
-    /// The reading as it stands; none where the field is empty.
-    pub(super) raw: Option<f64>,
+    /// The readings as they stand, by the places of their columns in [`READINGS`]; none where a field is empty or there is no such column.
+    pub(super) raw: [Option<f64>; READINGS.len()],
 }
 
 impl Row {
@@ -41,6 +41,10 @@ impl Row {
             })
         };
         let is_there = |name: usize| columns.place(name).is_some();
+        let mut raw = [None; READINGS.len()];
+        for kind in columns.readings() {
+            raw[kind] = cells.reading(READINGS[kind])?;
+        }
         let odometry = ODOMETRY.iter().all(|name| !cells.cell(*name).is_empty());
         Ok(Self {
             number: cells.whole(SCAN, u64::MAX)?,
@@ -49,7 +53,7 @@ impl Row {
             sensor: if is_there(SENSOR) { Some(cells.whole(SENSOR, MOST_SENSORS as u64 - 1)? as usize) } else { None },
             odometry: if odometry { Some(pose(ODOMETRY)?) } else { None },
             bearing_rad: cells.number(BEARING, TAU + 1e-4, "rad")?,
-            raw: cells.reading(if columns.of_laser() { RANGE } else { DISPARITY })?,
+            raw,
         })
     }
 }
@@ -132,7 +136,10 @@ mod tests {
         let expected = read(head, row).expect("fine");
         let odometry = Pose { x_m: 1.0, y_m: 2.0, theta_rad: 0.25 };
         assert_eq!((expected.number, expected.sensor, expected.odometry), (7, Some(3), Some(odometry)));
-        assert_eq!((expected.time_s, expected.bearing_rad, expected.raw), (Some(1.5), -0.25, Some(4.125)));
+        assert_eq!(
+            (expected.time_s, expected.bearing_rad, expected.raw),
+            (Some(1.5), -0.25, [None, Some(4.125), None])
+        );
         for separator in [";", "\t", " ", " ; ", "\t "] {
             let change = |text: &str| text.replace(',', separator);
             assert_eq!(read(&change(head), &change(row)), Ok(expected), "{separator:?}");
@@ -162,7 +169,7 @@ mod tests {
             assert!(found.contains(message), "{row}: {found}");
         }
         for empty in ["", "NA", "null"] {
-            assert_eq!(read(head, &format!("0,1,2,0.5,0,{empty},0")).map(|row| row.raw), Ok(None));
+            assert_eq!(read(head, &format!("0,1,2,0.5,0,{empty},0")).map(|row| row.raw), Ok([None; 3]));
         }
     }
 }

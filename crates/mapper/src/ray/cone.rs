@@ -54,6 +54,16 @@ pub(crate) struct ConeUpdate {
     pub(crate) end_m: f64,
 }
 
+/// A cell that may be the first that is occupied.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Ahead {
+    /// The one before it on its ray or chain.
+    pub(crate) before: Option<usize>,
+    pub(crate) cell: usize,
+    /// `P(o | F_k)`, per unit of the reading.
+    pub(crate) likelihood: f64,
+}
+
 /// The rays along which the cells of the cone about a ray are dealt, those first that are farthest apart: so many that beside each
 /// other they are a cell apart as far as cells are told apart. The ray itself, of a sensor that looks along it.
 pub(crate) fn fan(ray: &Ray, sensor: &dyn SensorModel, spec: &GridSpec) -> impl Iterator<Item = Ray> + use<> {
@@ -91,21 +101,8 @@ impl ConeUpdate {
         gather: impl Fn(&mut Chain, &[usize]),
         mut add: impl FnMut(&[usize], &RayPosterior),
     ) -> bool {
-        let Some(reading) = ray.reading else { return false };
-        self.deal(ray, spec, sensor);
-        if self.strands.is_empty() {
-            return false;
-        }
-        for strand in &mut self.strands {
-            strand.likelihood.resize(strand.cells.len(), 0.0);
-            sensor.likelihood(reading, ray.bearing_rad, &strand.ranges, &mut strand.likelihood);
-            gather(&mut strand.chain, &strand.cells);
-        }
-        self.end_m = self.strands.iter().filter_map(|strand| strand.ranges.last()).fold(0.0, |far, end| far.max(*end));
-        // Past the map, each chain goes on.
-        let onset = 1.0 - libm::pow(1.0 - onset, self.strands.len() as f64);
-        let past = PastTheMap::at(self.end_m, ray.direction, spec.cell_m, onset);
-        let none = past_the_map::likelihood(sensor, reading, ray.bearing_rad, &past);
+        let Some(none) = self.take(ray, spec, (sensor, onset)) else { return false };
+        self.strands.iter_mut().for_each(|strand| gather(&mut strand.chain, &strand.cells));
         let parts: Vec<Part> = self.strands.iter().map(Strand::part).collect();
         let own = likelihoods(&parts, none);
         for (strand, own) in self.strands.iter().zip(&own) {
@@ -114,6 +111,39 @@ impl ConeUpdate {
             add(&strand.cells, &self.posterior);
         }
         true
+    }
+
+    /// Takes up the cone about a ray with a reading: `P(o | F_k)` of its cells, and `P(o | no cell of the cone is occupied)`, which it gives. None
+    /// where there is no reading, or the cone starts outside the map.
+    pub(crate) fn take(&mut self, ray: &Ray, spec: &GridSpec, (sensor, onset): (&dyn SensorModel, f64)) -> Option<f64> {
+        let reading = ray.reading?;
+        self.deal(ray, spec, sensor);
+        if self.strands.is_empty() {
+            return None;
+        }
+        for strand in &mut self.strands {
+            strand.likelihood.resize(strand.cells.len(), 0.0);
+            sensor.likelihood(reading, ray.bearing_rad, &strand.ranges, &mut strand.likelihood);
+        }
+        self.end_m = self.strands.iter().filter_map(|strand| strand.ranges.last()).fold(0.0, |far, end| far.max(*end));
+        // Past the map, each chain goes on.
+        let onset = 1.0 - libm::pow(1.0 - onset, self.strands.len() as f64);
+        let past = PastTheMap::at(self.end_m, ray.direction, spec.cell_m, onset);
+        Some(past_the_map::likelihood(sensor, reading, ray.bearing_rad, &past))
+    }
+
+    /// The cells of the cone that was taken up last, nearest first; those at one range in the order of their chains.
+    pub(crate) fn nearest_first(&self, into: &mut Vec<Ahead>) {
+        into.clear();
+        let mut order: Vec<[usize; 2]> =
+            (0..self.strands.len()).flat_map(|l| (0..self.strands[l].cells.len()).map(move |k| [l, k])).collect();
+        let range = |[l, k]: [usize; 2]| self.strands[l].ranges[k];
+        order.sort_by(|a, b| range(*a).total_cmp(&range(*b)).then(a[0].cmp(&b[0])));
+        into.extend(order.into_iter().map(|[l, k]| {
+            let strand = &self.strands[l];
+            let before = k.checked_sub(1).map(|before| strand.cells[before]);
+            Ahead { before, cell: strand.cells[k], likelihood: strand.likelihood[k] }
+        }));
     }
 
     /// Deals the cells of the cone to chains: each takes those on its ray that lie behind all that were dealt before.

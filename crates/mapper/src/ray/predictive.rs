@@ -4,6 +4,7 @@ use grid::{GridSpec, Raster};
 use sensor::{Ray, Scan, SensorModel};
 
 use crate::pairs::grid::PairwiseGrid;
+use crate::ray::cone::{Ahead, ConeUpdate};
 use crate::ray::likelihood::RayLikelihood;
 
 /// A map that predicts readings.
@@ -22,6 +23,9 @@ pub struct Predictive<'a> {
     sensor: &'a dyn SensorModel,
     onset: f64,
     pub(crate) ray: RayLikelihood,
+    cone: ConeUpdate,
+    /// The cells of the cone, nearest first; of a sensor that looks along rays, nothing.
+    cells: Vec<Ahead>,
 }
 
 /// What is left ahead of a ray below this does not count.
@@ -31,12 +35,33 @@ impl<'a> Predictive<'a> {
     /// For maps of this grid; `onset` is the probability that a cell begins an obstacle in an unseen world,
     /// [`Prior::onset`](crate::Prior::onset).
     pub fn new(spec: GridSpec, sensor: &'a dyn SensorModel, onset: f64) -> Self {
-        Self { spec, sensor, onset, ray: RayLikelihood::default() }
+        Self { spec, sensor, onset, ray: RayLikelihood::default(), cone: ConeUpdate::default(), cells: Vec::new() }
     }
 
-    /// Takes up a ray with a reading; false where there is none, or the ray does not start in the map.
+    /// Takes up a ray with a reading, or the cone about it; false where there is none, or it does not start in the map.
+    ///
+    /// Of a cone the reading is that of the nearest occupied cell. Chains of its cells are taken to be independent of each other.
     pub fn take(&mut self, ray: &Ray) -> bool {
-        self.ray.take(ray, &self.spec, self.sensor, self.onset)
+        if self.sensor.width_rad() <= 0.0 {
+            return self.ray.take(ray, &self.spec, self.sensor, self.onset);
+        }
+        let Some(none) = self.cone.take(ray, &self.spec, (self.sensor, self.onset)) else { return false };
+        self.ray.none = none;
+        self.cone.nearest_first(&mut self.cells);
+        true
+    }
+
+    /// The cells that may be the first occupied one, nearest first, and the likelihood of none.
+    pub(crate) fn ahead(&self) -> (impl Iterator<Item = Ahead>, f64) {
+        let RayLikelihood { line, likelihood, none } = &self.ray;
+        let is_cone = self.sensor.width_rad() > 0.0;
+        let (cells, likelihood) = if is_cone { (&[][..], &[][..]) } else { (line.cells(), &likelihood[..]) };
+        let along = cells.iter().zip(likelihood).enumerate().map(|(k, (&cell, &likelihood))| Ahead {
+            before: k.checked_sub(1).map(|before| cells[before]),
+            cell,
+            likelihood,
+        });
+        (along.chain(self.cells.iter().copied()), *none)
     }
 
     /// `-ln P(reading | map)` of the ray taken up last, in nats; the density of a reading is per its unit.
@@ -64,16 +89,15 @@ impl<'a> Predictive<'a> {
     /// The likelihood over the first occupied cell; `begins` is the probability of a cell, given that all before it, the last of which
     /// it is given too, are free.
     fn sum(&self, begins: impl Fn(Option<usize>, usize) -> f64) -> f64 {
-        let RayLikelihood { line, likelihood, none } = &self.ray;
-        let (mut sum, mut clear, mut before) = (0.0, 1.0, None);
-        for (&cell, likelihood) in line.cells().iter().zip(likelihood) {
+        let (ahead, none) = self.ahead();
+        let (mut sum, mut clear) = (0.0, 1.0);
+        for Ahead { before, cell, likelihood } in ahead {
             let begins = begins(before, cell);
             sum += clear * begins * likelihood;
             clear *= 1.0 - begins;
             if clear < NOTHING {
                 return sum;
             }
-            before = Some(cell);
         }
         sum + clear * none
     }
@@ -98,9 +122,10 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
+    use crate::ray::chain::Chain;
     use crate::{Mapper as _, Model, Visibility};
     use proptest::prelude::*;
-    use sensor::{Kernel as _, Laser, Pose};
+    use sensor::{Kernel as _, Laser, Pose, Sonar};
 
     fn row(width: usize) -> GridSpec {
         GridSpec { cell_m: 0.1, origin_m: [0.0; 2], width, height: 1 }
@@ -151,6 +176,49 @@ mod tests {
             crate::ray::exact::posterior(&chain, &likelihood, predictive.ray.none, &mut posterior);
             let found = predictive.log_loss(Belief::Chain(pairs));
             prop_assert!((found + posterior.evidence.ln()).abs() < 1e-8, "{found} {}", posterior.evidence);
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(40))]
+
+        /// A cone by its chains: the evidence by which the mapper of chains is updated, and with cells that are independent of each other the
+        /// sum over the nearest occupied cell.
+        #[test]
+        fn of_a_cone_it_is_the_evidence_of_its_chains(
+            p in prop::collection::vec(0.01f64..0.6, 100), share in 0.0f64..1.0, reading in 0.1f64..1.2, none: bool, turn in 0.0f64..6.2,
+        ) {
+            let spec = GridSpec { cell_m: 0.1, origin_m: [0.0; 2], width: 10, height: 10 };
+            let sonar = Sonar { width_rad: 0.8, range_sigma_m: 0.08, max_range_m: 1.5, ..Sonar::default() };
+            let reading = if none { f64::INFINITY } else { reading };
+            let ray = Ray { origin_m: [0.52, 0.47], direction: [turn.cos(), turn.sin()], bearing_rad: 0.0, reading: Some(reading) };
+            let mut predictive = Predictive::new(spec, &sonar, 0.02);
+            prop_assert!(predictive.take(&ray));
+            // Joints between the least and the most that the marginals allow.
+            let mut pairs = PairwiseGrid::prior(spec, &crate::Prior::default());
+            for (cell, p) in p.iter().enumerate() {
+                pairs.marginal[cell] = *p;
+            }
+            for cell in 0..spec.cells() {
+                for n in spec.neighbours(cell).filter(|n| n.cell > cell) {
+                    let [a, b] = [p[cell], p[n.cell]];
+                    let [low, high] = [(a + b - 1.0f64).max(0.0), a.min(b)];
+                    pairs.both[spec.edge_between(cell, n.cell)] = low + share * (high - low);
+                }
+            }
+            let mut cone = ConeUpdate::default();
+            let gather = |chain: &mut Chain, cells: &[usize]| chain.gather(&pairs, cells);
+            let is_taken = cone.update(&ray, &spec, (&sonar, 0.02), crate::ray::exact::posterior, gather, |_, _| {});
+            prop_assert!(is_taken);
+            let found = predictive.log_loss(Belief::Chain(&pairs));
+            prop_assert!((found + cone.evidence.ln()).abs() < 1e-8, "{} {}", found, cone.evidence);
+            let map = Raster::new(spec, p.clone());
+            let (ahead, none) = predictive.ahead();
+            let all: Vec<Ahead> = ahead.collect();
+            let first = |k: usize| p[all[k].cell] * all[..k].iter().map(|before| 1.0 - p[before.cell]).product::<f64>();
+            let clear: f64 = all.iter().map(|ahead| 1.0 - p[ahead.cell]).product();
+            let expected = (0..all.len()).map(|k| first(k) * all[k].likelihood).sum::<f64>() + clear * none;
+            prop_assert!((predictive.log_loss(Belief::Cells(&map)) + expected.ln()).abs() < 1e-9);
         }
     }
 

@@ -7,7 +7,6 @@
 use grid::Raster;
 
 use crate::belief::probability::{from_log_odds, log_odds};
-use crate::ray::likelihood::RayLikelihood;
 use crate::ray::predictive::{NOTHING, Predictive};
 
 /// `logit p' = shift + slope logit p`, with a slope above 0.
@@ -30,11 +29,11 @@ pub struct FitRay {
 }
 
 impl FitRay {
-    /// The ray that was taken up last.
+    /// The ray, or cone, that was taken up last.
     pub fn of(predictive: &Predictive) -> Self {
-        let RayLikelihood { line, likelihood, none } = &predictive.ray;
-        let cells = line.cells().iter().map(|cell| *cell as u32).collect();
-        Self { cells, likelihood: likelihood.clone(), none: *none }
+        let (ahead, none) = predictive.ahead();
+        let (cells, likelihood) = ahead.map(|ahead| (ahead.cell as u32, ahead.likelihood)).unzip();
+        Self { cells, likelihood, none }
     }
 }
 

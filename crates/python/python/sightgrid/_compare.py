@@ -126,11 +126,15 @@ def compare(
     rows: list[Row] = []
     for world in worlds:
         for name, made in asked.items():
-            mapper = Mapper(made, world.grid, world.sensor, prior) if isinstance(made, str) else made(world.grid, world.sensor)
+            mapper = Mapper(made, world.grid, world.sensors, prior) if isinstance(made, str) else made(world.grid, world.sensor)
             if isinstance(mapper, Mapper) and mapper.kind == "noise-free":
                 raise ValueError(f"{name} is to be given readings without noise, and is no rival")
-            for scan in world.scans:
-                mapper.integrate(scan)
+            for scans in world.moments:
+                if len(scans) > 1 and isinstance(mapper, Mapper):
+                    mapper.integrate_together(scans)
+                else:
+                    for scan in scans:
+                        mapper.integrate(scan)
             p = mapper.occupancy(unseen=None) if isinstance(mapper, Mapper) else np.asarray(mapper.occupancy(), dtype=float)
             row = Row(name, world.name, world.seed, region, score(p, world, region=region))
             rows.append(row)

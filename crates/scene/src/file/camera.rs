@@ -11,12 +11,37 @@ use super::limits::{
     COLUMNS, FIELD_OF_VIEW, FOCAL_BASELINE, INTERVAL, JITTER, JITTER_ANGLE, PATIENCE, PROBABILITY, RADIUS, REACH,
     SEARCH, SIGMA, SPEED, STEP, TURN_RATE,
 };
+use super::sensors;
 
-/// `[camera]`: 140 columns over 80 degrees where the file is silent.
+/// Keys of the camera's noise, in `[sensor]` or, where that is no table, in `[camera]`.
+pub const NOISE: [&str; 11] = [
+    "focal_baseline",
+    "disparity_sigma",
+    "correct_match",
+    "max_disparity",
+    "detection_rate",
+    "quantisation",
+    "persistence",
+    "copies",
+    "near_misses",
+    "copy_reach",
+    "mismatches",
+];
+
+/// `[camera]`: 140 columns over 80 degrees where the file is silent. A file that lists sensors has a camera if it has this table.
 pub(super) fn camera(root: &Table, found: &mut Findings) -> Camera {
     let mut camera = Camera { columns: 140, field_of_view_rad: 80f64.to_radians() };
-    let Some(table) = found.take(root.section("camera")).flatten() else { return camera };
-    found.only(&table, &["columns", "field_of_view_deg"]);
+    let Some(table) = found.take(root.section("camera")).flatten() else {
+        let none = sensors::listed(root) && root.get("camera").is_none();
+        return if none { Camera { columns: 0, ..camera } } else { camera };
+    };
+    found.only(&table, &[&["columns", "field_of_view_deg"], &NOISE[..]].concat());
+    if let Some((key, value)) = NOISE.iter().find_map(|key| Some((key, table.get(key)?)))
+        && !noise_is_in_camera(root)
+    {
+        let bound = "in [sensor], where that table says more of the noise";
+        found.add(table.refuse(key, value, bound, "write all of the noise in one of the two tables"));
+    }
     if let Some(columns) = found.take(table.optional_whole("columns", &COLUMNS)).flatten() {
         camera.columns = columns as usize;
     }
@@ -55,10 +80,25 @@ fn optics(stereo: &mut Stereo) -> [(&'static str, &'static Limit, &mut f64); 4] 
     ]
 }
 
-/// `[sensor]`: the paper's camera, an edge in 60 % of the columns, no quantisation.
+/// Whether the camera's noise stands beside its columns: there is no table `[sensor]`, or it is a list of other sensors.
+fn noise_is_in_camera(root: &Table) -> bool {
+    root.get("sensor").is_none() || sensors::listed(root)
+}
+
+/// The camera's noise: the paper's camera, an edge in 60 % of the columns, no quantisation.
 pub(super) fn matcher(root: &Table, found: &mut Findings) -> Matcher {
-    let mut matcher = Matcher::default();
+    let matcher = Matcher::default();
+    if noise_is_in_camera(root) {
+        // What is wrong with the table itself is said where its columns are read.
+        return root.section("camera").ok().flatten().map_or(matcher, |table| noise(&table, matcher, found));
+    }
     let Some(table) = found.take(root.section("sensor")).flatten() else { return matcher };
+    found.only(&table, &NOISE);
+    noise(&table, matcher, found)
+}
+
+/// What a table says of a stereo camera's noise.
+pub(super) fn noise(table: &Table, mut matcher: Matcher, found: &mut Findings) -> Matcher {
     let before = found.count();
     let mut clustering = Clustering::default();
     let mut reach = f64::from(clustering.copy_reach);
@@ -75,17 +115,14 @@ pub(super) fn matcher(root: &Table, found: &mut Findings) -> Matcher {
         ("near_misses", &PROBABILITY, &mut clustering.near_misses),
         ("copy_reach", &REACH, &mut reach),
     ];
-    let mut known = fields.each_ref().map(|(key, ..)| *key).to_vec();
-    known.push("mismatches");
-    found.only(&table, &known);
-    take(&table, fields, found);
-    if found.take(clustered(&table)) != Some(true) {
+    take(table, fields, found);
+    if found.take(clustered(table)) != Some(true) {
         return matcher;
     }
     found.take(table.optional_whole("copy_reach", &REACH));
     clustering.copy_reach = reach as u32;
     if found.count() == before {
-        found.take(possible(&table, &clustering, matcher.stereo.correct_match));
+        found.take(possible(table, &clustering, matcher.stereo.correct_match));
     }
     matcher.mismatches = Mismatches::Clustered(clustering);
     matcher

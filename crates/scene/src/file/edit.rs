@@ -5,6 +5,7 @@ use std::ops::Range;
 use strict::{Value, open};
 use toml::de::DeTable;
 
+use super::camera::NOISE;
 use crate::SceneError;
 
 /// A value to take the place of what a scene or family file says under `[section]`, `key`.
@@ -39,10 +40,20 @@ pub enum Given<'a> {
 pub fn with(text: &str, file: &str, overrides: &[Override]) -> Result<String, SceneError> {
     let mut text = if overrides.is_empty() { text } else { text.strip_prefix('\u{feff}').unwrap_or(text) }.to_owned();
     for Override { section, key, value } in overrides {
-        let (span, new) = change(&text, open(&text, file)?.1.get_ref(), section, key, value);
+        let (_, document) = open(&text, file)?;
+        let root = document.get_ref();
+        let section = if *section == "sensor" && noise_is_in_camera(root) { "camera" } else { *section };
+        let (span, new) = change(&text, root, section, key, value);
         text.replace_range(span, &new);
     }
     Ok(text)
+}
+
+/// Whether the noise that is called `[sensor]` stands in `[camera]`: where sensors are listed, or the camera's table has some of it.
+fn noise_is_in_camera(root: &DeTable) -> bool {
+    let camera = root.get("camera").and_then(|camera| camera.get_ref().as_table());
+    let has_noise = || camera.is_some_and(|camera| NOISE.iter().any(|key| camera.contains_key(*key)));
+    root.get("sensor").map_or_else(has_noise, |sensor| sensor.get_ref().as_array().is_some())
 }
 
 /// Which part of the text to replace, and by what.
@@ -187,6 +198,17 @@ mod tests {
             assert!(read["sensor"].get("persistence").is_none(), "{text}");
         }
         assert_eq!(with("sensor = 7\n", "a.toml", &overrides).expect("TOML"), "sensor = 7\n");
+    }
+
+    #[test]
+    fn the_noise_of_a_camera_changes_where_it_stands() {
+        let overrides = [given("sensor", "correct_match", Given::Number(0.7))];
+        for text in ["[camera]\ncorrect_match = 0.9\n", "[[sensor]]\nkind = \"laser\"\n[camera]\ncolumns = 9\n"] {
+            let changed = with(text, "a.toml", &overrides).expect("TOML");
+            let read: toml::Table = changed.parse().expect("TOML");
+            assert_eq!(read["camera"]["correct_match"].as_float(), Some(0.7), "{changed}");
+            assert!(read.get("sensor").is_none_or(toml::Value::is_array), "{changed}");
+        }
     }
 
     #[test]

@@ -6,7 +6,7 @@ use strict::{Error, Limit, Table, open};
 
 use super::findings::Findings;
 use super::limits::{CLEARANCE, COVERED, OBSTACLE, OPENING, PACE, PEOPLE, SHARE, SIDE, SPREAD, THICKNESS};
-use super::{camera, cells, odometry};
+use super::{camera, cells, odometry, sensors};
 use crate::generate::people::PEOPLE_M_S;
 use crate::generate::{Kind, Plan};
 use crate::{Family, SceneError};
@@ -89,10 +89,20 @@ fn checked(root: &Table, path: &Path, found: &mut Findings) -> Option<Family> {
     camera::matcher(root, found);
     odometry::read(root, found);
     let robot_radius_m = camera::robot(root, found).radius_m;
-    let sections = CARRIED.iter().filter_map(|&section| Some((section, root.section(section).ok()??.verbatim())));
+    sensors::read(root, robot_radius_m, found);
+    let carried = carried(root);
     let place = root.place_of("generate");
-    let carried = sections.collect();
     Some(Family { name: name?, description, plan: plan?, robot_radius_m, carried, path: path.to_owned(), place })
+}
+
+/// The tables that scenes take over, each with its heading.
+fn carried(root: &Table) -> Vec<(String, Vec<(String, String)>)> {
+    let tables = CARRIED.iter().flat_map(|section| {
+        let one = root.section(section).ok().flatten().map(|table| (format!("[{section}]"), table.verbatim()));
+        let several = root.list(section).unwrap_or_default();
+        one.into_iter().chain(several.into_iter().map(move |table| (format!("[[{section}]]"), table.verbatim())))
+    });
+    tables.collect()
 }
 
 fn plan(table: &Table, found: &mut Findings) -> Option<Plan> {

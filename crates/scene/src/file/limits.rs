@@ -12,6 +12,34 @@ pub const COLUMNS: Limit =
 /// Full horizontal field of view, degrees.
 pub const FIELD_OF_VIEW: Limit =
     limit(0.1, 175.0, "an angle in degrees, 0.1 to 175", "give the full horizontal field of view, such as 80");
+/// Full horizontal field of view of what may look all round, degrees.
+pub const ALL_ROUND: Limit =
+    limit(0.1, 360.0, "an angle in degrees, 0.1 to 360", "give the full field of view, such as 180, or 360 all round");
+/// Beams, cones or columns.
+pub const BEAMS: Limit = limit(1.0, 1e5, "a whole number from 1 to 100000", "give how many there are, such as 180");
+/// Where a sensor stands on the robot, m.
+pub const MOUNT: Limit = limit(-1e3, 1e3, "a length in m, -1000 to 1000", "give its place in the frame of the robot");
+/// At which scans a sensor reads.
+pub const EVERY: Limit =
+    limit(1.0, 1e6, "a whole number from 1 to 1000000", "2 reads at every second scan of the drive, 1 at each");
+/// Standard deviation of a range, m.
+pub const RANGE_SIGMA: Limit =
+    limit(1e-6, 1e3, "a positive length in m, 0.000001 to 1000", "give a standard deviation such as 0.025");
+/// Standard deviation of an inverse range, 1/m.
+pub const INVERSE_SIGMA: Limit =
+    limit(1e-6, 10.0, "a positive number in 1/m, 0.000001 to 10", "give one such as 0.001425: 4 cm at 5 m");
+/// Largest range measured, m.
+pub const RANGE: Limit =
+    limit(1e-3, 1e6, "a positive length in m, 0.001 to 1000000", "give the largest range measured, such as 80");
+/// Things on no map per metre of beam.
+pub const EARLY: Limit =
+    limit(0.0, 1e3, "a rate in 1/m, 0 to 1000", "give how many things stand in a metre of beam, such as 0.002");
+/// Angle between the edges of a sonar's cone, degrees.
+pub const WIDTH: Limit =
+    limit(0.1, 170.0, "an angle in degrees, 0.1 to 170", "give the angle between the edges of the cone, such as 30");
+/// Least angle between a ray and a surface that gives a reading, degrees.
+pub const GRAZING: Limit =
+    limit(0.0, 89.0, "an angle in degrees, 0 to 89", "give the least angle to a surface that is seen, such as 10");
 /// Focal length times baseline, px·m.
 pub const FOCAL_BASELINE: Limit =
     limit(1e-6, 1e6, "a positive number in px·m, 0.000001 to 1000000", "give focal length times baseline, such as 15");

@@ -12,7 +12,7 @@ use super::findings::Findings;
 use super::obstacles::texture;
 use super::points::{METRES, point};
 use crate::boxes::boxes;
-use crate::{Obstacle, Origin, Problem, SceneError, Warning};
+use crate::{Obstacle, Origin, Problem, SceneError, SeenBy, Warning};
 
 /// A map and what the scene file says of it.
 pub(super) struct Map {
@@ -80,6 +80,8 @@ impl Map {
         let occupied = (0..spec.cells()).map(|cell| cells[cell] == Some(true) && inside(cell)).collect();
         let origin = |k: usize| Origin { kind: "map box", number: k + 1, line: self.line };
         let shapes = boxes(&Raster::new(spec, occupied)).into_iter().enumerate();
-        shapes.map(|(k, shape)| Obstacle { shape, texture: self.texture, origin: origin(k) }).collect()
+        shapes
+            .map(|(k, shape)| Obstacle { shape, texture: self.texture, seen_by: SeenBy::ALL, origin: origin(k) })
+            .collect()
     }
 }

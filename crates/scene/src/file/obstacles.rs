@@ -1,13 +1,15 @@
 //! `[[wall]]`, `[[box]]`, `[[disc]]` and `[[polygon]]`.
 
+use sensor::SensorKind;
 use strict::{Error, Limit, Table};
 
 use super::bounds::within;
 use super::findings::Findings;
+use super::limits::SHARE;
 use super::points::{LENGTH, METRES, point};
 use super::polygon;
 use crate::geometry::{distance, minus};
-use crate::{Obstacle, Origin, SceneError, Shape};
+use crate::{Obstacle, Origin, SceneError, SeenBy, Shape};
 
 const SIZE: Limit = Limit {
     min: 1e-6,
@@ -40,11 +42,12 @@ pub(super) fn read(root: &Table, bounds: [[f64; 2]; 2], found: &mut Findings) ->
         for (k, table) in found.take(root.list(kind)).unwrap_or_default().iter().enumerate() {
             let shape = shape(table, found);
             let texture = found.take(texture(table));
+            let seen_by = seen_by(table, found);
             let (Some(shape), Some(texture)) = (shape, texture) else { continue };
             let within = within(shape.extent_m(), bounds, || table.element());
             found.take(within.map_err(|problem| SceneError::at(table.place(), problem)));
             let origin = Origin { kind, number: k + 1, line: table.place().line };
-            obstacles.push(Obstacle { shape, texture, origin });
+            obstacles.push(Obstacle { shape, texture, seen_by, origin });
         }
     }
     obstacles
@@ -54,9 +57,28 @@ pub(super) fn texture(table: &Table) -> Result<f64, Error> {
     Ok(table.optional_number("texture", &TEXTURE)?.unwrap_or(1.0))
 }
 
+/// `seen_by = { laser = 0.2 }`: shares of the readings that end on the obstacle, 1 of the kinds that are not named.
+fn seen_by(table: &Table, found: &mut Findings) -> SeenBy {
+    let mut seen_by = SeenBy::ALL;
+    let Some(value) = table.get("seen_by") else { return seen_by };
+    let Some(shares) = value.get_ref().as_table() else {
+        let bound = "a table of shares by kind of sensor";
+        found.add(table.refuse("seen_by", value, bound, "write it like { laser = 0.2, stereo = 0.0 }"));
+        return seen_by;
+    };
+    let element = format!("{}: seen_by", table.element());
+    let shares = Table::new(table.source(), &element, value.span().start, shares);
+    found.only(&shares, &SensorKind::ALL.map(SensorKind::name));
+    for kind in SensorKind::ALL {
+        let share = found.take(shares.optional_number(kind.name(), &SHARE)).flatten();
+        seen_by = share.map_or(seen_by, |share| seen_by.with(kind, share));
+    }
+    seen_by
+}
+
 /// A wall reaches half its thickness beyond its ends: walls that meet in a point close the corner.
 fn wall(table: &Table, found: &mut Findings) -> Option<Shape> {
-    found.only(table, &["from", "to", "thickness", "texture"]);
+    found.only(table, &["from", "to", "thickness", "texture", "seen_by"]);
     let (from, to) = (found.take(point(table, "from")), found.take(point(table, "to")));
     let thickness = found.take(table.number("thickness", &LENGTH));
     let (from, to, half) = (from?, to?, 0.5 * thickness?);
@@ -72,7 +94,7 @@ fn wall(table: &Table, found: &mut Findings) -> Option<Shape> {
 }
 
 fn upright(table: &Table, found: &mut Findings) -> Option<Shape> {
-    found.only(table, &["center", "size", "rotation_deg", "texture"]);
+    found.only(table, &["center", "size", "rotation_deg", "texture", "seen_by"]);
     rectangle(table, found)
 }
 
@@ -86,7 +108,7 @@ pub(super) fn rectangle(table: &Table, found: &mut Findings) -> Option<Shape> {
 }
 
 fn round(table: &Table, found: &mut Findings) -> Option<Shape> {
-    found.only(table, &["center", "radius", "texture"]);
+    found.only(table, &["center", "radius", "texture", "seen_by"]);
     disc(table, found)
 }
 
@@ -98,6 +120,6 @@ pub(super) fn disc(table: &Table, found: &mut Findings) -> Option<Shape> {
 }
 
 fn outline(table: &Table, found: &mut Findings) -> Option<Shape> {
-    found.only(table, &["points", "texture"]);
+    found.only(table, &["points", "texture", "seen_by"]);
     found.take(polygon::points(table)).map(|points_m| Shape::Polygon { points_m })
 }

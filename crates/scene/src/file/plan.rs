@@ -11,7 +11,7 @@ use super::findings::Findings;
 use super::obstacles::texture;
 use crate::floor_plan::FloorPlan;
 use crate::geometry::{distance, sides};
-use crate::{Obstacle, Origin, Problem, SceneError, Shape, Warning};
+use crate::{Obstacle, Origin, Problem, SceneError, SeenBy, Shape, Warning};
 
 /// Thickness of the walls where the file says none, m.
 pub(crate) const THICKNESS_M: f64 = 0.02;
@@ -71,7 +71,7 @@ impl Plan {
         let walls = walls.filter(|(_, wall)| matches!(wall, Shape::Box { center_m, .. } if within(*center_m)));
         let obstacle = |(k, shape)| {
             let origin = Origin { kind: "plan wall", number: k + 1, line: self.line };
-            Obstacle { shape, texture: self.texture, origin }
+            Obstacle { shape, texture: self.texture, seen_by: SeenBy::ALL, origin }
         };
         walls.map(obstacle).collect()
     }

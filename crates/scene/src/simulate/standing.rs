@@ -68,7 +68,8 @@ fn jitter(eye: &Eye, scan: usize, read: &mut SimulatedScan) {
     rng.set_stream(scan as u64);
     rng.set_word_pos(eye.bearings_rad.len() as u128 * WORDS_PER_RAY);
     let mut by = |deviation: f64| -> f64 { deviation * rng.sample::<f64, _>(StandardNormal) };
-    let pose = &mut read.scan.pose;
+    let mut pose = read.scan.pose;
     (pose.x_m, pose.y_m) = (pose.x_m + by(robot.jitter_m), pose.y_m + by(robot.jitter_m));
     pose.theta_rad += by(robot.jitter_rad);
+    read.move_to(pose);
 }

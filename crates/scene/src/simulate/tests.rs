@@ -212,7 +212,12 @@ fn the_truth_of_the_moment_is_what_stands_and_what_is_covered() {
         obstacles.obstacles.clear();
         let mut add = |shape: &crate::Shape| {
             let origin = crate::Origin { kind: "disc", number: 1, line: 1 };
-            obstacles.obstacles.push(crate::Obstacle { shape: shape.clone(), texture: 1.0, origin });
+            obstacles.obstacles.push(crate::Obstacle {
+                shape: shape.clone(),
+                texture: 1.0,
+                seen_by: crate::SeenBy::ALL,
+                origin,
+            });
         };
         drive.motion.shapes_at(scan).for_each(|(_, shape)| add(shape));
         let alone = crate::truth(&obstacles);

@@ -24,7 +24,7 @@ pub(super) fn replay(sensor: Sensor, options: &CalibrateOptions, fit: &Fit) -> O
     }
     match sensor {
         Sensor::Laser { max_range_m, .. } => add("max-range", max_range_m.to_string()),
-        Sensor::Stereo => {
+        Sensor::Stereo | Sensor::Sonar => {
             add("focal-baseline", options.focal_baseline.to_string());
             add("max-disparity", options.max_disparity.unwrap_or(Stereo::default().max_disparity).to_string());
         }

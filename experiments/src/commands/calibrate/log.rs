@@ -17,7 +17,7 @@ use super::{advice, agreement, views};
 use crate::failure::Failure;
 use crate::jobs::progress::Count;
 use crate::worlds::agreement::Spread;
-use crate::worlds::reading;
+use crate::worlds::{kernels, reading};
 
 /// What lies around the outermost poses and usual readings, m.
 const MARGIN_M: f64 = 0.5;
@@ -39,7 +39,7 @@ pub(super) fn calibrate(options: &CalibrateOptions) -> Result<Calibration, Failu
     let readings = scans.iter().flat_map(|scan| scan.readings.iter().flatten()).count() as u64;
     let (parameters, kind) = match sensor {
         Sensor::Laser { max_range_m, .. } => (laser(), format!("a laser up to {max_range_m} m")),
-        Sensor::Stereo => (stereo(), "a stereo camera".to_owned()),
+        Sensor::Stereo | Sensor::Sonar => (stereo(), "a stereo camera".to_owned()),
     };
     let noise = noise::of(&scans, instrument(sensor, options), parameters[0].start);
     let known = noise.as_ref().map(|noise| noise.sigma);
@@ -129,10 +129,12 @@ fn read(options: &CalibrateOptions) -> Result<(Vec<Scan>, Sensor), Failure> {
     for (number, scan) in (0u64..).zip(&mut log) {
         let scan = scan.map_err(refused)?;
         if takes(number) {
-            scans.push(scan);
+            // Of one kind they are, so that one kernel is fitted to all.
+            scans.push(Scan { sensor: 0, ..scan });
         }
     }
     let place = options.file.display().to_string();
+    kernels::one_kind(&place, log.report(), "`calibrate`")?;
     reading::tell(&place, log.report());
     reading::tell_idle(&options.given, &place, log.report(), log.sensor());
     options.given.warn(&["consistent"], &place, "a log, which says nothing of left and right");
@@ -157,7 +159,9 @@ fn thinned(scan: &Scan, beams: usize) -> Scan {
 fn points(sensor: Sensor, options: &CalibrateOptions) -> Arc<dyn SensorModel> {
     match sensor {
         Sensor::Laser { .. } => Arc::new(Laser::default()),
-        Sensor::Stereo => Arc::new(Stereo { focal_baseline: options.focal_baseline, ..Stereo::default() }),
+        Sensor::Stereo | Sensor::Sonar => {
+            Arc::new(Stereo { focal_baseline: options.focal_baseline, ..Stereo::default() })
+        }
     }
 }
 
@@ -229,7 +233,7 @@ fn setting(sensor: Sensor, options: &CalibrateOptions, values: &[f64]) -> Option
             // Some outliers there always are: without any, one of them makes a log impossible.
             (laser.outlier() >= 1e-4 && laser.validate().is_ok()).then(|| (Arc::new(laser) as _, prior(4)))
         }
-        Sensor::Stereo => {
+        Sensor::Stereo | Sensor::Sonar => {
             let max_disparity = options.max_disparity.unwrap_or(Stereo::default().max_disparity);
             let stereo = Stereo {
                 focal_baseline: options.focal_baseline,
@@ -246,14 +250,14 @@ fn setting(sensor: Sensor, options: &CalibrateOptions, values: &[f64]) -> Option
 fn tell_agreement(scans: &[Scan], grid: GridSpec, sensor: Sensor, options: &CalibrateOptions) {
     let model: Arc<dyn SensorModel> = match sensor {
         Sensor::Laser { max_range_m, .. } => Arc::new(Laser { max_range_m, ..Laser::default() }),
-        Sensor::Stereo => {
+        Sensor::Stereo | Sensor::Sonar => {
             let max_disparity = options.max_disparity.unwrap_or(Stereo::default().max_disparity);
             Arc::new(Stereo { focal_baseline: options.focal_baseline, max_disparity, ..Stereo::default() })
         }
     };
     let spread = match sensor {
         Sensor::Laser { .. } => Spread::Range(Laser::default().range_sigma_m),
-        Sensor::Stereo => Spread::Disparity(Stereo::default().disparity_sigma),
+        Sensor::Stereo | Sensor::Sonar => Spread::Disparity(Stereo::default().disparity_sigma),
     };
     agreement::tell(&options.file.display().to_string(), scans, grid, model, Prior::default(), spread);
 }
@@ -313,6 +317,8 @@ fn found(parameter: &Parameter, noise: &Noise) -> Found {
 fn instrument(sensor: Sensor, options: &CalibrateOptions) -> Instrument {
     match sensor {
         Sensor::Laser { .. } => Instrument::Laser,
-        Sensor::Stereo => Instrument::Stereo(Stereo { focal_baseline: options.focal_baseline, ..Stereo::default() }),
+        Sensor::Stereo | Sensor::Sonar => {
+            Instrument::Stereo(Stereo { focal_baseline: options.focal_baseline, ..Stereo::default() })
+        }
     }
 }

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::world::WorldJob;
 use crate::failure::Failure;
-use crate::worlds::site::{Assumptions, Site};
+use crate::worlds::site::{Assumptions, Site, camera_alone};
 use crate::worlds::witness::Witness;
 
 /// What a robot that stands reads.
@@ -107,6 +107,7 @@ pub fn repeat(
     counts: &[usize],
 ) -> Result<Vec<Repeated>, Failure> {
     let site = Site::of_family(family, &job.world, assumed)?;
+    camera_alone(&site.ground.scene, &job.world.family, "what stands at a place (repeats.csv)")?;
     let simulation = scene::simulate(&site.ground.scene, &site.ground.world, &site.ground.drive, job.world.seed);
     let most = counts.last().copied().unwrap_or(0);
     let mut repeated = Vec::new();
@@ -264,6 +265,7 @@ mod tests {
                 scan: Scan { time_s: k as f64, pose, ..Scan::default() },
                 true_ranges_m: Vec::new(),
                 odometry: None,
+                beside: Vec::new(),
             }
         };
         (0..count).map(scan).collect()

@@ -1,11 +1,15 @@
 //! The first reading of a log: what is in it, and where.
 
+use std::collections::BTreeMap;
+
 use grid::GridSpec;
-use logs::{Report, Sensor};
+use logs::{Event, Report, Sensor};
+use mapper::Sensors;
 use sensor::{Scan, SensorModel};
 
 use super::recording::{self, Recording};
 use crate::failure::Failure;
+use crate::worlds::kernels::Shared;
 
 /// More cells than this are not a building but a mistake in the poses: some 20 GB with all mappers.
 const MOST_CELLS: usize = 100_000_000;
@@ -28,6 +32,8 @@ pub(super) struct Survey {
     place: String,
     /// What took it.
     pub(super) sensor: Sensor,
+    /// Every sensor by its number, and how mappers know it.
+    pub(super) sensors: BTreeMap<usize, Known>,
     /// Scans in use.
     pub(super) kept: u64,
     /// Counts of everything.
@@ -42,17 +48,56 @@ pub(super) struct Survey {
     high: [f64; 2],
 }
 
+/// A sensor of a log.
+#[derive(Clone)]
+pub(super) struct Known {
+    pub(super) kind: Sensor,
+    pub(super) model: Shared,
+}
+
+impl Known {
+    /// Makes the model of every sensor once, of the kind of its first scan.
+    fn by_number(model: &dyn Fn(Sensor) -> Result<Shared, Failure>) -> impl FnMut(&Event) -> Result<Self, Failure> {
+        let mut known: BTreeMap<usize, Self> = BTreeMap::new();
+        move |event| {
+            if let Some(known) = known.get(&event.sensor) {
+                return Ok(known.clone());
+            }
+            let new = Self { kind: event.kind, model: model(event.kind)? };
+            Ok(known.entry(event.sensor).or_insert(new).clone())
+        }
+    }
+}
+
 impl Survey {
+    /// The sensors as mappers take them: numbers that no scan in use has are taken for the first sensor.
+    pub(super) fn models(&self) -> Sensors {
+        let last = self.sensors.keys().next_back().copied().unwrap_or(0);
+        let of = |number: usize| self.sensors.get(&number).or_else(|| self.sensors.values().next());
+        Sensors::new((0..=last).filter_map(of).map(|known| known.model.clone()).collect())
+    }
+
+    /// What took a scan.
+    pub(super) fn kind(&self, scan: &Scan) -> Sensor {
+        self.sensors.get(&scan.sensor).map_or(self.sensor, |known| known.kind)
+    }
+
     /// Reads the log twice: ranges first, unless the reach (m) is given, then places.
-    pub(super) fn of(recording: &Recording, reach: Option<f64>, sensor: &dyn SensorModel) -> Result<Self, Failure> {
+    pub(super) fn of(
+        recording: &Recording,
+        reach: Option<f64>,
+        model: &dyn Fn(Sensor) -> Result<Shared, Failure>,
+    ) -> Result<Self, Failure> {
+        let mut sensors = Known::by_number(model);
         let reach_m = match reach {
             Some(reach) => reach,
-            None => usual_range(recording, sensor)?,
+            None => usual_range(recording, &mut sensors)?,
         };
         let mut log = recording.scans()?;
         let mut survey = Self {
             place: recording.place(),
             sensor: log.sensor(),
+            sensors: BTreeMap::new(),
             kept: 0,
             report: Report::default(),
             path: Vec::new(),
@@ -62,13 +107,15 @@ impl Survey {
             high: [f64::NEG_INFINITY; 2],
         };
         let (mut every, mut before) = (1, None::<[f64; 2]>);
-        for scan in &mut log {
-            let scan = scan.map_err(recording::refused)?;
+        while let Some(event) = log.next_event() {
+            let event = event.map_err(recording::refused)?;
+            let (scan, sensor) = (&event.scan, sensors(&event)?);
             let at = scan.pose.position_m();
             survey.length_m += before.map_or(0.0, |before| libm::hypot(at[0] - before[0], at[1] - before[1]));
             before = Some(at);
             survey.include(at);
-            survey.ends(&scan, sensor);
+            survey.ends(scan, &*sensor.model);
+            survey.sensors.entry(event.sensor).or_insert(sensor);
             if survey.kept.is_multiple_of(every) {
                 survey.path.push(at);
             }
@@ -139,12 +186,17 @@ impl Survey {
 }
 
 /// The range within which all but a few readings lie, m.
-fn usual_range(recording: &Recording, sensor: &dyn SensorModel) -> Result<f64, Failure> {
+fn usual_range(
+    recording: &Recording,
+    sensors: &mut impl FnMut(&Event) -> Result<Known, Failure>,
+) -> Result<f64, Failure> {
     let mut counts = vec![0u64; 2001];
-    for scan in recording.scans()? {
-        let scan = scan.map_err(recording::refused)?;
-        for ray in scan.rays() {
-            if let Some(range_m) = ray.reading.and_then(|reading| sensor.range_of(reading, ray.bearing_rad)) {
+    let mut log = recording.scans()?;
+    while let Some(event) = log.next_event() {
+        let event = event.map_err(recording::refused)?;
+        let sensor = sensors(&event)?;
+        for ray in event.scan.rays() {
+            if let Some(range_m) = ray.reading.and_then(|reading| sensor.model.range_of(reading, ray.bearing_rad)) {
                 counts[((range_m / STEP_M) as usize).min(2000)] += 1;
             }
         }

@@ -45,11 +45,11 @@ pub(super) fn map(
 ) -> Result<Maps, Failure> {
     let progress = Count::scans(survey.kept);
     let mut mappers: Vec<Box<dyn Mapper>> = entries.iter().map(|entry| entry.mapper(setup)).collect();
-    let reach = match survey.sensor {
-        Sensor::Laser { .. } => Reach::Reading,
+    let reach = |scan: &Scan| match survey.kind(scan) {
+        Sensor::Laser { .. } | Sensor::Sonar => Reach::Reading,
         Sensor::Stereo => Reach::Median,
     };
-    let mut seen = Seen::new(setup.grid, reach);
+    let mut seen = Seen::new(setup.grid);
     let mut batch = Vec::with_capacity(BATCH);
     let mut take = |batch: &mut Vec<Scan>, mappers: &mut [Box<dyn Mapper>]| {
         rayon::join(
@@ -58,7 +58,7 @@ pub(super) fn map(
                     .par_iter_mut()
                     .for_each(|mapper| moments(batch).for_each(|scans| mapper.integrate_together(scans)))
             },
-            || batch.iter().for_each(|scan| seen.add(scan, &**setup.sensors.of(scan))),
+            || batch.iter().for_each(|scan| seen.add(scan, &**setup.sensors.of(scan), reach(scan))),
         );
         batch.clear();
     };

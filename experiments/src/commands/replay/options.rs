@@ -1,6 +1,7 @@
 //! Options of `replay`.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
 use logs::{Report, Sensor};
@@ -15,7 +16,7 @@ use crate::output::folder;
 use crate::output::recording::RecordingOption;
 use crate::programs::options::ProgramOptions;
 use crate::worlds::agreement::Spread;
-use crate::worlds::kernels::{self, LaserOptions, Shared, StereoOptions};
+use crate::worlds::kernels::{self, LaserOptions, Shared, SonarOptions, StereoOptions};
 use crate::worlds::ranked::SortOption;
 use crate::worlds::reading::{self, DAMAGED_SHARE, FanArgs, stem};
 
@@ -98,6 +99,9 @@ pub struct ReplayOptions {
     /// What the mappers know of a stereo camera
     #[command(flatten)]
     pub stereo: StereoOptions,
+    /// What the mappers know of sonars
+    #[command(flatten)]
+    pub sonar: SonarOptions,
     /// Views up to so far apart share their false readings, m: what repeats is no news to `visibility-dynamic`
     #[arg(long, value_name = "M", default_value_t = Repeats::CHOSEN.distance_m, allow_negative_numbers = true, value_parser = positive)]
     pub repeat_distance: f64,
@@ -181,6 +185,7 @@ impl ReplayOptions {
         match sensor {
             Sensor::Laser { .. } => Spread::Range(self.laser.range_sigma),
             Sensor::Stereo => Spread::Disparity(self.stereo.disparity_sigma),
+            Sensor::Sonar => Spread::Cone,
         }
     }
 
@@ -205,7 +210,10 @@ impl ReplayOptions {
 
     /// What the mappers know of the sensor that took the log.
     pub(super) fn sensor(&self, sensor: Sensor) -> Result<Shared, Failure> {
-        kernels::sensor(&self.log.display().to_string(), sensor, (self.laser, self.stereo))
+        match sensor {
+            Sensor::Sonar => Ok(Arc::new(self.sonar.sonar())),
+            _ => kernels::sensor(&self.log.display().to_string(), sensor, (self.laser, self.stereo)),
+        }
     }
 }
 
@@ -213,7 +221,8 @@ const FORMATS: &str = "\
 Logs of lasers: CARMEN (FLASER, RLASER, ROBOTLASER1 to 5, and RAWLASER1 to 5 with poses from ODOM; other messages are skipped and counted), and \
 tables (CSV; also with semicolons, tabs or blanks) with the columns scan,x_m,y_m,theta_rad,bearing_rad,range_m, time_s if there are times, and \
 sensor if there are several; range_m is inf where no echo came back, and empty, NaN, 0 or negative where a beam says nothing. Logs of \
-stereo cameras: such tables with disparity_px, as `room` writes them (scans.csv); no match is empty, NaN, 0, negative, or above --max-disparity.
+stereo cameras: such tables with disparity_px, as `room` writes them (scans.csv); no match is empty, NaN, 0, negative, or above --max-disparity. \
+Logs of sonars: such tables with sonar_m, a row for each cone. A table may have several of these columns, each sensor its own; what sensors read at one time is one scan.
 
 Costmaps (--footprint) are NAME-footprint.yaml with .pgm in mode raw, 0 to 100, for nav2_map_server and a static layer with \
 trinary_costmap: false and lethal_cost_threshold: 50. Walls that are known to lie somewhere among a few cells are obstacles in them, and no inflation by \

@@ -11,11 +11,11 @@ use score::{Better, SeriesMean};
 use serde_json::{Value, json};
 
 use super::along_time;
-use super::extent::Survey;
+use super::extent::{Known, Survey};
 use super::figure;
 use super::mapping::Maps;
 use super::options::{Body, REPEAT_DEG, ReplayOptions};
-use super::predictions::{Prediction, Predictions};
+use super::predictions::{OfSensor, Prediction, Predictions};
 use super::recording::Recording;
 use super::viewed;
 use crate::failure::Failure;
@@ -24,7 +24,7 @@ use crate::output;
 use crate::output::folder::Staging;
 use crate::output::ledger::RECORD;
 use crate::output::record::Record;
-use crate::output::table::Table;
+use crate::output::table::{Table, aligned};
 use crate::page::{self, Page, Part, Picture, Section, Sheet, Viewer};
 use crate::worlds::kernels;
 use crate::worlds::ranked::{Head, SortOption, legend};
@@ -39,9 +39,12 @@ pub(super) struct Told<'a> {
     pub(super) predictions: &'a Predictions,
 }
 
+/// The scores of every sensor by itself, of a log of several.
+const BY_SENSOR: &str = "by-sensor.csv";
+
 /// Every file that may come of it, beside the record.
 pub(super) fn names(entries: &[&Entry], paper: &Paper) -> Vec<String> {
-    let tables = ["predictions.csv", "differences.csv", "along-time.csv", "report.html"];
+    let tables = ["predictions.csv", BY_SENSOR, "differences.csv", "along-time.csv", "report.html"];
     let fixed = tables.into_iter().map(str::to_owned).chain(paper.files(&["along-time.png", "maps.png"]));
     let maps = entries.iter().flat_map(|entry| output::map::names(entry.name));
     let costmaps = entries.iter().flat_map(|entry| output::map::footprint_names(entry.name));
@@ -52,6 +55,10 @@ pub(super) fn names(entries: &[&Entry], paper: &Paper) -> Vec<String> {
 pub(super) fn write(staging: &mut Staging, recording: &Recording, told: &Told) -> Result<(), Failure> {
     let (scores, differences) = (told.predictions.table(), told.predictions.differences());
     scores.save(staging, "predictions.csv")?;
+    let by_sensor = told.predictions.by_sensor();
+    if told.predictions.sensors.len() > 1 {
+        by_sensor.save(staging, BY_SENSOR)?;
+    }
     differences.save(staging, "differences.csv")?;
     let (along, baseline) = (&told.predictions.along, &told.predictions.rows[told.predictions.baseline].name);
     along_time::table(along, baseline).save(staging, "along-time.csv")?;
@@ -76,6 +83,17 @@ pub(super) fn write(staging: &mut Staging, recording: &Recording, told: &Told) -
     if !programs.is_empty() {
         configuration["programs"] = json!(programs);
     }
+    let mut predicts = vec![
+        Part::Sheet(Sheet::of("Loss of every map, nats per reading; lower is better", &scores)),
+        Part::Sheet(Sheet::of(
+            "Differences from the baseline; above 0 is worse, recalibrated ones first",
+            &differences,
+        )),
+        Part::Picture(in_time),
+    ];
+    if told.predictions.sensors.len() > 1 {
+        predicts.insert(1, Part::Sheet(Sheet::of("The same of every sensor by itself, plain", &by_sensor)));
+    }
     let files = staging.files_and(&["report.html", RECORD]);
     let page = Page {
         title: format!("Replay of {}", name(told.options)),
@@ -88,18 +106,7 @@ pub(super) fn write(staging: &mut Staging, recording: &Recording, told: &Told) -
         }),
         sections: vec![
             section("The maps", MAPS, vec![Part::Picture(picture)]),
-            section(
-                "Which map predicts best",
-                PREDICTS,
-                vec![
-                    Part::Sheet(Sheet::of("Loss of every map, nats per reading; lower is better", &scores)),
-                    Part::Sheet(Sheet::of(
-                        "Differences from the baseline; above 0 is worse, recalibrated ones first",
-                        &differences,
-                    )),
-                    Part::Picture(in_time),
-                ],
-            ),
+            section("Which map predicts best", PREDICTS, predicts),
             section("What is in the log", "", vec![Part::Sheet(Sheet::of("Counts", &counts(told)))]),
         ],
         configuration: serde_json::to_string_pretty(&configuration).map_err(Failure::internal)?,
@@ -140,10 +147,13 @@ fn name(options: &ReplayOptions) -> String {
 
 fn facts(told: &Told) -> String {
     let Told { survey, setup, predictions, .. } = told;
-    let sensor = match survey.sensor {
+    let called = |known: &Known| match known.kind {
         Sensor::Laser { beams, max_range_m } => format!("a laser of {beams} beams up to {max_range_m} m"),
-        Sensor::Stereo => "a stereo camera".to_owned(),
+        Sensor::Stereo | Sensor::Sonar => kernels::called(known.kind).to_owned(),
     };
+    let mut all: Vec<String> = survey.sensors.values().map(called).collect();
+    all.dedup();
+    let sensor = all.join(" and ");
     let (scans, kept) = (survey.kept, predictions.scans);
     let time = match survey.duration_s() {
         duration if duration > 0.0 => format!(" in {duration:.0} s"),
@@ -188,7 +198,7 @@ pub(super) fn left_out(report: &Report) -> Vec<(&'static str, u64)> {
 /// What the maps were made from.
 fn configuration(told: &Told) -> Value {
     let Told { options, survey, setup, .. } = told;
-    let sensor = kernels::record(survey.sensor, options.laser, options.stereo);
+    let described = |kind: Sensor| kernels::record(kind, options.laser, options.stereo, options.sonar.sonar());
     let mut configuration = json!({
         "log": options.log.display().to_string(),
         "trajectory": options.trajectory.as_ref().and_then(|path| path.file_name()).map(|name| name.to_string_lossy()),
@@ -206,8 +216,12 @@ fn configuration(told: &Told) -> Value {
         "map_range_m": options.map_range,
         "prior": setup.prior,
         "reconciliation": setup.reconciliation,
-        "sensor": sensor,
+        "sensor": described(survey.sensor),
     });
+    if survey.sensors.len() > 1 {
+        let all = survey.sensors.iter().map(|(number, known)| (number.to_string(), described(known.kind)));
+        configuration["sensors"] = Value::Object(all.collect());
+    }
     // What is seldom asked for stands there where it was.
     let rare = [
         ("body", (options.body == Body::Robot).then(|| json!("robot"))),
@@ -269,6 +283,9 @@ pub(super) fn tell_agreement(place: &str, survey: &Survey, predictions: &Predict
     if let Some(said) = judged.and_then(|judged| judged.agreement.warning(judged.mapper, correct(setup))) {
         output::note(format_args!("warning: {place}: {said}"));
     }
+    for doubt in predictions.doubtful() {
+        output::note(format_args!("warning: {place}: {doubt}"));
+    }
     reading::tell_after_mapping(place, &survey.report, fails(predictions, setup));
 }
 
@@ -316,6 +333,9 @@ pub(super) fn text(told: &Told) -> String {
     }
     text.push('\n');
     text += &scores(predictions, &told.options.order);
+    if predictions.sensors.len() > 1 {
+        text += &by_sensor(predictions);
+    }
     text
 }
 
@@ -371,6 +391,27 @@ fn scores(predictions: &Predictions, order: &SortOption) -> String {
     );
     text
 }
+
+/// The plain scores of every sensor by itself.
+fn by_sensor(predictions: &Predictions) -> String {
+    let mean = |score: Option<SeriesMean>| {
+        score.map_or_else(
+            || ["-".to_owned(), String::new()],
+            |score| [format!("{:.3}", score.mean), ends(score.interval)],
+        )
+    };
+    let cell = |row: &OfSensor| {
+        let ([loss, interval], [gain, _], [explained, _]) = (mean(row.loss), mean(row.gain), mean(row.explained));
+        let sensor = format!("{} ({})", row.sensor, row.called);
+        vec![row.mapper.clone(), sensor, row.readings.to_string(), loss, interval, gain, explained]
+    };
+    let rows: Vec<Vec<String>> = predictions.sensors_by_mapper().map(cell).collect();
+    format!("\n{}", aligned(&["mapper", "sensor", "readings", "plain", "95 % interval", "gain", "explained"], &rows))
+        + GAIN
+}
+
+const GAIN: &str = "\nGain: how much better the map predicts the sensor than an unseen world does. Explained: the share of the\n\
+    readings that come from what the map holds, by its probabilities.\n";
 
 const RECALIBRATED: &str = "\nRecalibrated: log odds times a slope plus a shift, fitted to scans that are\n\
     neither mapped nor scored, so that clamps do not decide; the differences are of\n\

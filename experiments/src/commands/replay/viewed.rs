@@ -25,7 +25,10 @@ const MOST_FINE: usize = 200_000;
 /// A log that is refused.
 pub(super) fn world(name: &str, recording: &Recording, told: &Told) -> Result<ViewedWorld, Failure> {
     let stride = told.predictions.scans.div_ceil(MOST_SCANS).max(1);
-    let of = |number: usize, scan: &sensor::Scan| number.is_multiple_of(stride).then(|| scan.clone());
+    // Readings of one unit: those of the sensors that are what the first is.
+    let kind = std::mem::discriminant(&told.survey.sensor);
+    let shown = |scan: &sensor::Scan| std::mem::discriminant(&told.survey.kind(scan)) == kind;
+    let of = |number: usize, scan: &sensor::Scan| (number.is_multiple_of(stride) && shown(scan)).then(|| scan.clone());
     let scans: Vec<_> = kept_back::each(recording, told.options.hold_out, &of)?.into_iter().flatten().collect();
     let spec = told.setup.grid;
     let maps = told.maps.maps.iter().filter(|map| map.mapper != "prior");
@@ -56,7 +59,7 @@ pub(super) fn world(name: &str, recording: &Recording, told: &Told) -> Result<Vi
         mappers: mapped.collect(),
         scans: Some(Scans {
             unit: match told.survey.sensor {
-                Sensor::Laser { .. } => ReadingUnit::Range,
+                Sensor::Laser { .. } | Sensor::Sonar => ReadingUnit::Range,
                 Sensor::Stereo => ReadingUnit::Disparity(told.options.stereo.focal_baseline),
             },
             scans,

@@ -70,9 +70,9 @@ pub(crate) fn page(
         title: scene.name.clone(),
         lead: scene.description.clone(),
         facts: format!(
-            "{seeds} · {} scans of {} columns, {} × {} cells of {} m",
+            "{seeds} · {} scans of {}, {} × {} cells of {} m",
             ground.scans(),
-            scene.camera.columns,
+            summary::rays(scene),
             grid.width,
             grid.height,
             grid.cell_m

@@ -4,7 +4,8 @@ use std::io::Write as _;
 
 use grid::npy;
 use mapper::catalogue::Entry;
-use serde_json::json;
+use sensor::{Pose, Ray, Scan, SensorKind};
+use serde_json::{Value, json};
 
 use super::document;
 use super::programs;
@@ -97,7 +98,7 @@ pub(super) fn write(
     if trials.len() > 1 {
         summary(ground, trials, stages).save(staging, "summary.csv")?;
     }
-    scans(first).save(staging, "scans.csv")?;
+    scans(ground, first).save(staging, "scans.csv")?;
     timeline(first).save(staging, "timeline.csv")?;
     let truth = ground.truth.map(|cell| cell.map_or(f32::NAN, |occupied| f32::from(u8::from(occupied))));
     staging.write("truth.npy", |out| npy::write(&truth, out))?;
@@ -152,37 +153,76 @@ fn summary(ground: &Ground, trials: &[Trial], stages: &[Stage]) -> Table {
     )
 }
 
-fn scans(trial: &Trial) -> Table {
-    let mut rows = Vec::new();
+/// A ray of a scan, for a row of `scans.csv`.
+struct Beam<'a> {
+    number: usize,
+    scan: &'a Scan,
+    ray: Ray,
+    true_range_m: Option<f64>,
+    odometry: Option<Pose>,
+}
+
+/// All scans of the camera, or of all sensors: then with a column that names the sensor and one for the readings of each unit.
+fn scans(ground: &Ground, trial: &Trial) -> Table {
+    let mut rows: Vec<Beam> = Vec::new();
     for (number, simulated) in trial.simulation.scans.iter().enumerate() {
-        let rays = simulated.scan.rays().zip(&simulated.true_ranges_m);
-        rows.extend(rays.map(|(ray, range)| (number, &simulated.scan, ray, *range, simulated.odometry)));
+        let odometry = simulated.odometry;
+        let mut add = |scan, true_ranges_m: &[Option<f64>]| {
+            let rays = Scan::rays(scan).zip(true_ranges_m.iter().copied());
+            rows.extend(rays.map(|(ray, true_range_m)| Beam { number, scan, ray, true_range_m, odometry }));
+        };
+        add(&simulated.scan, &simulated.true_ranges_m);
+        simulated.beside.iter().for_each(|beside| add(&beside.scan, &beside.true_ranges_m));
     }
-    let table = Table::of(
-        &rows,
-        &[
-            ("scan", &|row| json!(row.0)),
-            ("time_s", &|row| rounded(row.1.time_s)),
-            ("x_m", &|row| rounded(row.1.pose.x_m)),
-            ("y_m", &|row| rounded(row.1.pose.y_m)),
-            ("theta_rad", &|row| rounded(row.1.pose.theta_rad)),
-            ("bearing_rad", &|row| rounded(row.2.bearing_rad)),
-            ("disparity_px", &|row| optional(row.2.reading)),
-            ("true_range_m", &|row| optional(row.3)),
-        ],
-    );
+    let devices = &ground.scene.sensors;
+    let is_of = |row: &Beam, kinds: &[SensorKind]| match row.scan.sensor {
+        0 => kinds.contains(&SensorKind::Stereo),
+        sensor => kinds.contains(&devices[sensor - 1].device.kind()),
+    };
+    // No echo has no number in JSON; tables have the word for it.
+    let reading = |row: &Beam, kinds: &[SensorKind]| match row.ray.reading.filter(|_| is_of(row, kinds)) {
+        Some(reading) if reading.is_infinite() => json!("inf"),
+        reading => optional(reading),
+    };
+    let place: [Column; 6] = [
+        ("scan", &|row| json!(row.number)),
+        ("time_s", &|row| rounded(row.scan.time_s)),
+        ("x_m", &|row| rounded(row.scan.pose.x_m)),
+        ("y_m", &|row| rounded(row.scan.pose.y_m)),
+        ("theta_rad", &|row| rounded(row.scan.pose.theta_rad)),
+        ("bearing_rad", &|row| rounded(row.ray.bearing_rad)),
+    ];
+    let disparity: Column = ("disparity_px", &|row| reading(row, &[SensorKind::Stereo]));
+    let range: Column = ("range_m", &|row| reading(row, &[SensorKind::Laser, SensorKind::Depth]));
+    let sonar: Column = ("sonar_m", &|row| reading(row, &[SensorKind::Sonar]));
+    let sensor: Column = ("sensor", &|row| json!(row.scan.sensor));
+    let has = |kinds: &[SensorKind]| rows.iter().any(|row| is_of(row, kinds));
+    let mut columns = place.to_vec();
+    if devices.is_empty() {
+        columns.push(disparity);
+    } else {
+        columns.push(sensor);
+        columns.extend(has(&[SensorKind::Stereo]).then_some(disparity));
+        columns.extend(has(&[SensorKind::Laser, SensorKind::Depth]).then_some(range));
+        columns.extend(has(&[SensorKind::Sonar]).then_some(sonar));
+    }
+    columns.push(("true_range_m", &|row| optional(row.true_range_m)));
+    let table = Table::of(&rows, &columns);
     if trial.simulation.scans.iter().all(|simulated| simulated.odometry.is_none()) {
         return table;
     }
     table.and(
         &rows,
         &[
-            ("odom_x_m", &|row| optional(row.4.map(|pose| pose.x_m))),
-            ("odom_y_m", &|row| optional(row.4.map(|pose| pose.y_m))),
-            ("odom_theta_rad", &|row| optional(row.4.map(|pose| pose.theta_rad))),
+            ("odom_x_m", &|row| optional(row.odometry.map(|pose| pose.x_m))),
+            ("odom_y_m", &|row| optional(row.odometry.map(|pose| pose.y_m))),
+            ("odom_theta_rad", &|row| optional(row.odometry.map(|pose| pose.theta_rad))),
         ],
     )
 }
+
+/// A column of `scans.csv`.
+type Column<'a> = (&'static str, &'a dyn Fn(&Beam) -> Value);
 
 fn timeline(trial: &Trial) -> Table {
     let mut rows = Vec::new();

@@ -1,9 +1,11 @@
 //! What a run was made from: `run.json`.
 
+use std::collections::BTreeMap;
+
 use grid::GridSpec;
 use mapper::catalogue::Entry;
 use mapper::{Prior, Reconciliation};
-use scene::Scene;
+use scene::{Mounted, Scene};
 use sensor::Matcher;
 use serde::Serialize;
 
@@ -61,10 +63,37 @@ pub(super) struct Configuration {
     pub columns: usize,
     /// Field of view, rad.
     pub field_of_view_rad: f64,
+    /// The sensors beside the camera, in the order of their numbers.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub sensors: Vec<Carried>,
     /// The robot.
     pub robot: Robot,
     /// How drives are planned on the maps.
     pub drives: DriveOptions,
+}
+
+/// A sensor beside the camera, which the mappers know.
+#[derive(Debug, Serialize)]
+pub(super) struct Carried {
+    pub name: String,
+    pub kind: &'static str,
+    pub rays: usize,
+    pub every: usize,
+    /// Its parameters by name.
+    pub noise: BTreeMap<&'static str, f64>,
+}
+
+impl Carried {
+    fn of(sensor: &Mounted) -> Self {
+        let parameters = sensor.device.model().parameters();
+        Self {
+            name: sensor.name.clone(),
+            kind: sensor.device.kind().name(),
+            rays: sensor.bearings_rad.len(),
+            every: sensor.every,
+            noise: parameters.into_iter().flat_map(|parameters| parameters.noise).collect(),
+        }
+    }
 }
 
 /// The robot of the scene.
@@ -99,6 +128,7 @@ impl Parts {
                 sensor: ground.scene.matcher,
                 columns: ground.scene.camera.columns,
                 field_of_view_rad: ground.scene.camera.field_of_view_rad,
+                sensors: ground.scene.sensors.iter().map(Carried::of).collect(),
                 robot: Robot::of(&ground.scene),
                 drives: options.drives,
             },

@@ -11,7 +11,12 @@ pub(super) fn record(recorder: &mut Recorder, outcome: &Outcome) {
     recorder.truth("/truth", START_S, &ground.truth_after(1));
     for (number, (simulated, timed)) in first.simulation.scans.iter().zip(&ground.drive.poses).enumerate() {
         let time_s = START_S + simulated.scan.time_s;
-        recorder.scan(time_s, &simulated.scan, &camera);
+        for scan in simulated.together() {
+            match scan.sensor.checked_sub(1) {
+                None => recorder.scan(time_s, &scan, &camera),
+                Some(beside) => recorder.scan(time_s, &scan, &*ground.scene.sensors[beside].device.model()),
+            }
+        }
         recorder.pose("/pose", time_s, simulated.scan.pose);
         recorder.pose("/truth/pose", time_s, timed.pose);
         if let Some(odometry) = simulated.odometry {

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use scene::Scene;
 use score::Summary;
 use score::navigation::Planning;
 
@@ -54,6 +55,13 @@ const MOVEMENT: [(Column, &str); 7] = [
     (("cleared", "cleared_3", 2), "changed"),
 ];
 
+/// How many rays each sensor has.
+pub(super) fn rays(scene: &Scene) -> String {
+    let camera = Some(format!("{} columns", scene.camera.columns)).filter(|_| scene.camera.columns > 0);
+    let beside = scene.sensors.iter().map(|sensor| format!("{} rays of {}", sensor.bearings_rad.len(), sensor.name));
+    camera.into_iter().chain(beside).collect::<Vec<_>>().join(", ")
+}
+
 /// The heads of a table.
 fn heads_of<'a>(columns: impl IntoIterator<Item = &'a Column>) -> Vec<Head<'static>> {
     let heads = columns.into_iter().map(|(title, metric, _)| Head::metric(title, metric));
@@ -83,14 +91,14 @@ pub(super) fn text(
     let spec = &ground.scene.grid;
     let _ = writeln!(
         text,
-        "{}: {}, {} scans x {} columns, {} x {} cells of {} m\n",
+        "{}: {}, {} scans x {}, {} x {} cells of {} m\n",
         ground.scene.name,
         match trials.len() {
             1 => format!("seed {}", first.seed),
             n => format!("seeds {} to {} (mean ± sd)", first.seed, first.seed + n as u64 - 1),
         },
         ground.scans(),
-        ground.scene.camera.columns,
+        rays(&ground.scene),
         spec.width,
         spec.height,
         spec.cell_m

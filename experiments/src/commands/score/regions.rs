@@ -9,7 +9,7 @@ use score::{Region, Sight, Sightings};
 
 use super::truth::Truth;
 use crate::failure::Failure;
-use crate::worlds::reading;
+use crate::worlds::{kernels, reading};
 
 /// The regions in the order of tables, and the cells that can be missed.
 pub(super) struct Regions {
@@ -47,7 +47,7 @@ impl Regions {
         let mut log = Log::open(scans, &Options::default()).map_err(refused)?;
         let most_m = match log.sensor() {
             Sensor::Laser { max_range_m, .. } => max_range_m,
-            Sensor::Stereo => f64::INFINITY,
+            Sensor::Stereo | Sensor::Sonar => f64::INFINITY,
         };
         let mut walls = match &truth.scene {
             Some(scene) => Walls::World(Box::new(World::new(scene))),
@@ -67,6 +67,7 @@ impl Regions {
                 sightings.add(&Sight { origin_m: from, direction, range_m });
             }
         }
+        kernels::one_kind(&scans.display().to_string(), log.report(), "`score`")?;
         reading::tell(&scans.display().to_string(), log.report());
         let observable = sightings.mask(Region::Observable);
         if !observable.values().contains(&true) {

@@ -120,12 +120,12 @@ fn updates(updates: &[Update]) -> Table {
 /// The map round what was seen of it, and which cells were.
 pub(super) fn cropped(told: &Told) -> (Raster<f64>, Raster<bool>) {
     let spec = told.model.grid;
-    let mut seen = Seen::new(spec, Reach::Median);
+    let mut seen = Seen::new(spec);
     let mut updates = told.outcome.updates.iter().map(|update| update.time_s).peekable();
     for (taken, (time_s, pose)) in told.scans.iter().zip(&told.outcome.trajectory) {
         if updates.next_if(|update| update.total_cmp(time_s).is_eq()).is_some() {
             let scan = Scan { pose: *pose, ..taken.scan.clone() };
-            seen.add(&scan, &**told.model.sensors.of(&scan));
+            seen.add(&scan, &**told.model.sensors.of(&scan), Reach::Median);
         }
     }
     let seen = seen.cells;
@@ -181,7 +181,7 @@ fn configuration(told: &Told) -> Value {
         "relations": name(&options.relations),
         "layout": options.layout,
         "given_grid_m": options.grid,
-        "sensor": told.sensor.map(|kind| kernels::record(kind, options.laser, options.stereo)),
+        "sensor": told.sensor.map(|kind| kernels::record(kind, options.laser, options.stereo, sensor::Sonar::default())),
         "reach_m": options.reach,
         "min_range_m": options.min_range,
         "given_max_range_m": options.max_range,

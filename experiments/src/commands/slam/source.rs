@@ -11,7 +11,7 @@ use crate::failure::Failure;
 use crate::worlds::condition::AS_BELIEVED;
 use crate::worlds::kernels;
 use crate::worlds::scenes;
-use crate::worlds::site::{Assumptions, Site};
+use crate::worlds::site::{Assumptions, Site, camera_alone};
 
 /// Side of a cell of a log's map, m.
 const CELL_M: f64 = 0.05;
@@ -59,6 +59,7 @@ impl Source {
                 "{place}: the scene has no odometry, by which a robot knows roughly how it moved; add a section [odometry] (guide scenes)"
             )));
         }
+        camera_alone(&scene, &place, "`slam`")?;
         let Site { ground, setup } = Site::of(scene, &AS_BELIEVED, &Assumptions::of(&options.prior))?;
         let simulated = scene::simulate(&ground.scene, &ground.world, &ground.drive, options.seed).scans;
         let mut truth = Vec::new();
@@ -96,9 +97,11 @@ impl Source {
                 back += 1;
                 continue;
             }
-            scans.push(Taken { clock_s: event.scan.time_s, scan: event.scan, odometry });
+            let scan = Scan { sensor: 0, ..event.scan };
+            scans.push(Taken { clock_s: scan.time_s, scan, odometry });
         }
         let report = log.report().clone();
+        kernels::one_kind(&place, &report, "`slam`")?;
         if scans.is_empty() {
             return Err(Failure::BadInput(format!(
                 "{place}: none of its {} scans is in use; give another --window",

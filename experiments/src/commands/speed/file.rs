@@ -6,6 +6,7 @@ use logs::{Log, LogError, Options, Sensor};
 
 use super::scans::{Kernel, ScanSet};
 use crate::failure::Failure;
+use crate::worlds::kernels;
 
 /// More rays are taken for a mistake: these need 2 GB.
 const MOST_RAYS: usize = 50_000_000;
@@ -21,7 +22,7 @@ pub fn load(path: &Path, kernel: Kernel) -> Result<ScanSet, Failure> {
     let options = Options { max_range_m, problems: 1, ..Options::default() };
     let mut log = Log::open(path, &options).map_err(refused)?;
     let mut set = match (kernel, log.sensor()) {
-        (Kernel::Laser, Sensor::Stereo) => {
+        (Kernel::Laser, Sensor::Stereo | Sensor::Sonar) => {
             return Err(refuse(": holds disparities, which no laser reads; leave out --sensor laser"));
         }
         (Kernel::Laser, Sensor::Laser { max_range_m, .. }) => ScanSet::of_laser(max_range_m),
@@ -39,6 +40,7 @@ pub fn load(path: &Path, kernel: Kernel) -> Result<ScanSet, Failure> {
         }
     }
     let report = log.report();
+    kernels::one_kind(&path.display().to_string(), report, "`speed`")?;
     match report.problems.first().filter(|_| report.damaged > 0) {
         Some(problem) => Err(refuse(&format!(":{}: {}", problem.line, problem.reason))),
         None => Ok(set),

@@ -9,7 +9,7 @@ use super::candidates::{Tuned, rule};
 use super::clamps;
 use crate::failure::Failure;
 use crate::worlds::estimate::Moments;
-use crate::worlds::site::{Assumptions, Site, WorldId};
+use crate::worlds::site::{Assumptions, Site, WorldId, camera_alone};
 use crate::worlds::witness::Witness;
 
 /// The error of a map over the observable region at the end of the drive.
@@ -41,6 +41,7 @@ pub struct TunedFit {
 /// could be seen.
 pub fn errors(world: &WorldId, family: &Family, candidates: &[Candidate]) -> Result<Vec<Errors>, Failure> {
     let Site { ground, setup } = Site::of_family(family, world, &Assumptions::default())?;
+    camera_alone(&ground.scene, &world.family, "`tune`")?;
     let simulation = scene::simulate(&ground.scene, &ground.world, &ground.drive, world.seed);
     let mut witness = Witness::new(&ground);
     simulation.scans.iter().enumerate().try_for_each(|(scan, simulated)| witness.look(&ground, scan, simulated))?;

@@ -8,6 +8,7 @@ use ::scene::reader::limits::{
 use serde_json::{Value, json};
 
 use super::moving::moving;
+use super::sensors::{seen_by, sensor};
 use super::{between, file, flag, line, list, name, number, pair, table, text, whole, word};
 
 /// Coordinates and lengths stay within this, m.
@@ -69,17 +70,19 @@ fn obstacles() -> [(&'static str, Value); 4] {
         ("to", point("The other end, m")),
         ("thickness", length("Thickness, m")),
         texture(),
+        seen_by(),
     ];
     let rectangle = [
         ("center", point("Centre, m")),
         ("size", pair("Width and height, m", LEAST, METRES)),
         ("rotation_deg", between("Turned by so many degrees", -360.0, 360.0)),
         texture(),
+        seen_by(),
     ];
-    let disc = [("center", point("Centre, m")), ("radius", length("Radius, m")), texture()];
+    let disc = [("center", point("Centre, m")), ("radius", length("Radius, m")), texture(), seen_by()];
     let mut corners = list("Corners in order, the first only once", point("A corner, m"), 3);
     corners["maxItems"] = json!(1000);
-    let polygon = [("points", corners), texture()];
+    let polygon = [("points", corners), texture(), seen_by()];
     let all = |about: &str, keys: &[(&str, Value)], required: &[&str]| list(about, table(about, keys, required), 0);
     [
         ("wall", all("A straight wall", &wall, &["from", "to", "thickness"])),
@@ -126,9 +129,7 @@ fn drive() -> [(&'static str, Value); 4] {
 
 /// The tables that families have too.
 pub(super) fn shared() -> [(&'static str, Value); 5] {
-    let camera =
-        [("columns", whole("Image columns", &COLUMNS)), ("field_of_view_deg", number("Field of view", &FIELD_OF_VIEW))];
-    let sensor = [
+    let noise = [
         ("focal_baseline", number("Focal length times baseline", &FOCAL_BASELINE)),
         ("max_disparity", number("Largest disparity searched", &SEARCH)),
         ("correct_match", number("Share of correct matches", &PROBABILITY)),
@@ -141,6 +142,8 @@ pub(super) fn shared() -> [(&'static str, Value); 5] {
         ("near_misses", number("Clustered: share of near misses", &PROBABILITY)),
         ("copy_reach", whole("Clustered: reach of copies", &REACH)),
     ];
+    let camera =
+        [("columns", whole("Image columns", &COLUMNS)), ("field_of_view_deg", number("Field of view", &FIELD_OF_VIEW))];
     let robot = [
         ("radius", number("Radius", &RADIUS)),
         ("speed", number("Speed", &SPEED)),
@@ -153,8 +156,8 @@ pub(super) fn shared() -> [(&'static str, Value); 5] {
     let grid = [("cell", between("Side of a cell, m", 1e-4, 1e3))];
     [
         ("grid", table("The cells of the map", &grid, &[])),
-        ("camera", table("The stereo camera", &camera, &[])),
-        ("sensor", table("Its noise", &sensor, &[])),
+        ("camera", table("The stereo camera, sensor 0", &[&camera[..], &noise].concat(), &[])),
+        ("sensor", sensor(&noise)),
         ("robot", table("The robot", &robot, &[])),
         ("odometry", odometry()),
     ]
