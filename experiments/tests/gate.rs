@@ -182,6 +182,10 @@ fn a_gate_that_fails_says_which_metric_where_and_by_how_much() {
     assert!(summary.starts_with("### Maps: 3 of 4 gates fail\n"), "{summary}");
     assert_eq!(summary.lines().filter(|line| line.starts_with("| ")).count(), 5, "{summary}");
 
+    let (told, err) = place.expect(0, &["--report-only"]);
+    assert_eq!(told, out, "it says the same ...");
+    assert!(err.contains("warning: 3 of 4 gates fail") && err.contains("lets the build go on"), "... and ends well: {err}");
+
     let (csv, _) = place.expect(3, &["--format", "csv"]);
     assert!(csv.starts_with("gate,mapper,metric,unit,region,worlds,value,demand,bound,"), "{csv}");
     assert!(
@@ -457,6 +461,7 @@ fn options(place: &Place) -> GateOptions {
         only: Vec::new(),
         update: false,
         stream: 0,
+        report_only: false,
         junit: None,
         summary: None,
         print: FormatOption { format: Format::Csv },

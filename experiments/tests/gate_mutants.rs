@@ -19,6 +19,7 @@ fn outcomes(only: &[&str], stream: u32, own: &[Entry]) -> Vec<Outcome> {
         only: only.iter().map(|name| (*name).to_owned()).collect(),
         update: false,
         stream,
+        report_only: false,
         junit: None,
         summary: None,
         print: FormatOption { format: Format::Csv },
