@@ -26,6 +26,7 @@ use crate::commands::schema::{self, SchemaOptions, Schemas};
 use crate::commands::score::{self, ScoreOptions};
 use crate::commands::sensor::{self, SensorOptions};
 use crate::commands::slam::{self, SlamOptions};
+use crate::commands::slam_worlds::{self, SlamWorldsOptions};
 use crate::commands::speed::{self, SpeedOptions};
 use crate::commands::sweep::{self, SweepOptions};
 use crate::commands::tune::{self, TuneOptions};
@@ -86,6 +87,8 @@ enum Command {
     Replay(Box<ReplayOptions>),
     /// Find where a robot went and what lies there together, from scans and odometry: a particle filter with a map to each particle
     Slam(Box<SlamOptions>),
+    /// Score `slam` on generated worlds: trajectories and maps against the truth, by stereo camera and laser
+    SlamWorlds(SlamWorldsOptions),
     /// Score maps of any maker against the truth: a scene, or a map that is believed
     Score(Box<ScoreOptions>),
     /// Fit a sensor's kernel and the prior to a log, or to disparities with known truth
@@ -162,6 +165,7 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Speed(options) => speed::run(&options),
         Command::Replay(options) => replay::run(&options),
         Command::Slam(options) => slam::run(&options),
+        Command::SlamWorlds(options) => slam_worlds::run(&options),
         Command::Score(options) => score::run(&options),
         Command::Calibrate(options) => calibrate::run(&options),
         Command::Report(options) => report::run(&options, &PAGES),

@@ -6,7 +6,8 @@ mod outputs;
 mod scores;
 mod source;
 
-pub use options::SlamOptions;
+pub use options::{SlamOptions, Weighing};
+pub(super) use scores::plain;
 
 use std::sync::Arc;
 use std::time::Instant;
