@@ -32,6 +32,9 @@ pub struct SlamWorldsOptions {
     /// What the readings of a scan are worth of as many independent ones, comma-separated [default: as fitted for each of --weights]
     #[arg(long, value_name = "P,Q", value_delimiter = ',', allow_negative_numbers = true, value_parser = power)]
     pub powers: Vec<f64>,
+    /// What the readings of a scan are worth of as many independent ones against the odometry, where they are matched [default: 1]
+    #[arg(long, value_name = "P", allow_negative_numbers = true, value_parser = power)]
+    pub sharpness: Option<f64>,
     /// Ways that the robot may have gone, which are followed at once
     #[arg(long, value_name = "N", default_value_t = 30, allow_negative_numbers = true, value_parser = count(Options::MOST_PARTICLES as u32))]
     pub particles: u32,
@@ -99,6 +102,13 @@ impl SlamWorldsOptions {
             powers.into_iter().map(weighed).collect()
         };
         self.weights.iter().flat_map(of).collect()
+    }
+
+    /// How the filter works in a world, by one weight.
+    pub(super) fn filter(&self, seed: u64, weight: Weight) -> Options {
+        let mut options = Options { particles: self.particles as usize, seed, weight, ..Options::default() };
+        options.sharpness.power = self.sharpness.unwrap_or(options.sharpness.power);
+        options
     }
 
     /// The numbers of the worlds.

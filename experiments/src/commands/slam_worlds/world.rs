@@ -10,7 +10,7 @@ use scene::{Family, Odometry, SimulatedScan};
 use score::trajectory::{Believed, Pair, absolute, aligned, nees};
 use score::{Region, Scorer};
 use sensor::{Laser, Pose, Scan, wrapped_rad};
-use slam::{Options, Slam};
+use slam::Slam;
 
 use super::options::{Sensing, SlamWorldsOptions, Weighed};
 use crate::commands::slam::plain;
@@ -79,9 +79,14 @@ impl Drive {
     }
 
     /// Finds the way and the map by one weight.
-    pub(super) fn slam(&self, entry: &Entry, weighed: Weighed, particles: usize) -> Result<Outcome, Failure> {
+    pub(super) fn slam(
+        &self,
+        entry: &Entry,
+        weighed: Weighed,
+        options: &SlamWorldsOptions,
+    ) -> Result<Outcome, Failure> {
         let Site { ground, setup } = &self.site;
-        let options = Options { particles, seed: self.seed, weight: weighed.weight, ..Options::default() };
+        let options = options.filter(self.seed, weighed.weight);
         let noise = Arc::new(SlamWorldsOptions::NOISE);
         let mut filter = Slam::new(entry.mapper(setup), setup, noise, options)
             .map_err(|error| Failure::BadInput(format!("--mapper {}: {error}", entry.name)))?;
