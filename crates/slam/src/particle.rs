@@ -28,9 +28,6 @@ const MOST: [f64; 2] = [1.0, 0.5];
 /// So far beyond the window the way uphill and points round its end may lead, m and rad.
 const BEYOND: [f64; 2] = [0.2, 0.02];
 
-/// Odometry is not taken to be better than this along and across the way, m, and in its heading, rad, where scans are matched.
-const FLOOR: [f64; 3] = [0.02, 0.02, 0.01];
-
 /// Steps of the differences from which the curvature at the best match is taken, m and rad.
 const STEPS: [f64; 3] = [0.015, 0.015, 0.006];
 
@@ -165,7 +162,7 @@ impl Particle {
         if shared.sight.ends.is_empty() {
             return None;
         }
-        let sigmas: [f64; 3] = std::array::from_fn(|k| sigmas[k].max(FLOOR[k]));
+        let sigmas: [f64; 3] = std::array::from_fn(|k| sigmas[k].max(shared.options.least_sigmas[k]));
         let half = |sigma: f64, k: usize| (SIGMAS * sigma).clamp(LEAST[k], MOST[k]);
         let search = Search { guess, sigmas, half: [half(sigmas[0].max(sigmas[1]), 0), half(sigmas[2], 1)] };
         let field = self.field(shared, guess, search.margins(), true);

@@ -50,6 +50,7 @@ const FEW: Options = Options {
     sharpness: slam::Sharpness { sigma_m: 0.07, occupied: 0.3, power: 1.0 },
     update_move_m: 0.3,
     update_turn_rad: 0.3,
+    least_sigmas: Options::OF_LOGS,
     reach_m: 20.0,
 };
 

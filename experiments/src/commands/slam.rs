@@ -49,7 +49,8 @@ pub fn run(options: &SlamOptions) -> Result<(), Failure> {
     let mut staging = Staging::open(&out, &Purpose::new("slam", &reads, outputs::names(&options.paper)))?;
 
     let refused = |error: slam::SlamError| Failure::BadInput(format!("--mapper {}: {error}", entry.name));
-    let mut filter = Slam::new(entry.mapper(&model), &model, Arc::new(noise), options.filter()).map_err(refused)?;
+    let mut filter = Slam::new(entry.mapper(&model), &model, Arc::new(noise), options.filter_of(report.is_some()))
+        .map_err(refused)?;
     let progress = Count::scans(scans.len() as u64);
     let mapping = Instant::now();
     let mut away: Vec<Update> = Vec::new();

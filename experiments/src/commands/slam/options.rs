@@ -163,7 +163,13 @@ fn numbers(text: &str) -> Vec<f64> {
 }
 
 impl SlamOptions {
-    /// How the filter works.
+    /// How the filter works on a log or a scene.
+    pub(super) fn filter_of(&self, is_log: bool) -> Options {
+        let usual = self.filter();
+        Options { least_sigmas: if is_log { Options::OF_LOGS } else { usual.least_sigmas }, ..usual }
+    }
+
+    /// How the filter works, whatever the source.
     pub(super) fn filter(&self) -> Options {
         Options {
             particles: self.particles as usize,
