@@ -94,7 +94,7 @@ impl Drive {
             filter.take(&scan.scan, *odometry);
         }
         let driven = || ground.drive.poses.iter().map(|timed| timed.pose);
-        let nees = driven().last().and_then(|last| consistency(&filter.particles(), last));
+        let nees = driven().next_back().and_then(|last| consistency(&filter.particles(), last));
         let outcome = filter.finish();
         let found: Vec<Pose> = outcome.trajectory.iter().map(|(_, pose)| *pose).collect();
         let (ate_m, aligned) = self.aligned(&found)?;
