@@ -27,6 +27,7 @@ use crate::commands::schema::{self, SchemaOptions, Schemas};
 use crate::commands::score::{self, ScoreOptions};
 use crate::commands::sensor::{self, SensorOptions};
 use crate::commands::slam::{self, SlamOptions};
+use crate::commands::slam_worlds::{self, SlamWorldsOptions};
 use crate::commands::speed::{self, SpeedOptions};
 use crate::commands::sweep::{self, SweepOptions};
 use crate::commands::tune::{self, TuneOptions};
@@ -89,6 +90,8 @@ enum Command {
     Slam(Box<SlamOptions>),
     /// Find landmarks, and with them where a robot went, from point features: Kalman filters from known poses, or FastSLAM
     Features(Box<FeaturesOptions>),
+    /// Score `slam` on generated worlds: trajectories and maps against the truth, by stereo camera and laser
+    SlamWorlds(SlamWorldsOptions),
     /// Score maps of any maker against the truth: a scene, or a map that is believed
     Score(Box<ScoreOptions>),
     /// Fit a sensor's kernel and the prior to a log, or to disparities with known truth
@@ -167,6 +170,7 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Replay(options) => replay::run(&options),
         Command::Slam(options) => slam::run(&options),
         Command::Features(options) => features::run(&options),
+        Command::SlamWorlds(options) => slam_worlds::run(&options),
         Command::Score(options) => score::run(&options),
         Command::Calibrate(options) => calibrate::run(&options),
         Command::Report(options) => report::run(&options, &PAGES),

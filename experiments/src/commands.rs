@@ -19,6 +19,7 @@ pub mod schema;
 pub mod score;
 pub mod sensor;
 pub mod slam;
+pub mod slam_worlds;
 pub mod speed;
 pub mod sweep;
 pub mod tune;

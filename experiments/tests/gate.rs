@@ -184,7 +184,10 @@ fn a_gate_that_fails_says_which_metric_where_and_by_how_much() {
 
     let (told, err) = place.expect(0, &["--report-only"]);
     assert_eq!(told, out, "it says the same ...");
-    assert!(err.contains("warning: 3 of 4 gates fail") && err.contains("lets the build go on"), "... and ends well: {err}");
+    assert!(
+        err.contains("warning: 3 of 4 gates fail") && err.contains("lets the build go on"),
+        "... and ends well: {err}"
+    );
 
     let (csv, _) = place.expect(3, &["--format", "csv"]);
     assert!(csv.starts_with("gate,mapper,metric,unit,region,worlds,value,demand,bound,"), "{csv}");

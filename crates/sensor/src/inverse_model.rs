@@ -30,6 +30,12 @@ pub trait InverseModel: Kernel {
         Some(reading).filter(|range| *range >= 0.0 && range.is_finite())
     }
 
+    /// Standard deviation (m) of [`range_of`](Self::range_of) along the ray, by the noise of a reading that is no outlier, to first order; 0
+    /// where it is not known, or the reading has no range.
+    fn range_sigma(&self, _reading: f64, _bearing: f64) -> f64 {
+        0.0
+    }
+
     /// Half the bin, in the unit of the reading, that stands for one reading, for cells of side `cell_m` (m); above 0.
     fn half_bin(&self, cell_m: f64) -> f64 {
         0.5 * cell_m

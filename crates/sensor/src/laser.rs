@@ -160,6 +160,10 @@ impl InverseModel for Laser {
         self.hit
     }
 
+    fn range_sigma(&self, reading: f64, bearing: f64) -> f64 {
+        self.range_of(reading, bearing).map_or(0.0, |_| self.range_sigma_m)
+    }
+
     /// Without an echo, chords up to the largest range were passed and nothing is known of those beyond.
     fn placement(&self, reading: f64, half_width: f64, _bearing: f64, enter: f64, exit: f64) -> Placement {
         if reading.is_infinite() {

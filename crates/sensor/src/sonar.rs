@@ -100,6 +100,10 @@ impl InverseModel for Sonar {
         self.hit
     }
 
+    fn range_sigma(&self, reading: f64, bearing: f64) -> f64 {
+        self.range_of(reading, bearing).map_or(0.0, |_| self.range_sigma_m)
+    }
+
     fn half_bin(&self, cell_m: f64) -> f64 {
         self.beam().half_bin(cell_m)
     }

@@ -234,6 +234,11 @@ impl InverseModel for Stereo {
     fn range_of(&self, reading: f64, bearing: f64) -> Option<f64> {
         Some(self.range(reading, bearing)).filter(|range| *range >= 0.0 && range.is_finite())
     }
+
+    /// `r = f B / (d cos b)`, so that `dr = r dd / d`.
+    fn range_sigma(&self, reading: f64, bearing: f64) -> f64 {
+        self.range_of(reading, bearing).map_or(0.0, |range_m| range_m * self.disparity_sigma / reading)
+    }
 }
 
 #[cfg(test)]

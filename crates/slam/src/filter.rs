@@ -27,6 +27,10 @@ const LOST: usize = 3;
 /// ... or one by so much, nats per reading. A scan that fits has some 4 more than nothing, one from elsewhere some 3 less.
 const COLLAPSE: f64 = -1.0;
 
+/// Scans in a row that are passed over where each by itself would say that the robot was carried away. Odometry that is late by a tenth of
+/// a second while the robot turns fast puts a scan tens of degrees off, and the next one fits again.
+const PATIENCE: usize = 4;
+
 /// What an update of the filter came to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Update {
@@ -75,6 +79,8 @@ pub struct Slam {
     updates: Vec<Update>,
     /// Updates in a row that the map explains worse than none.
     unexplained: usize,
+    /// Scans in a row that were passed over.
+    passed_over: usize,
     /// Whether it was said that the robot was carried away, and no scan has fitted since.
     away: bool,
 }
@@ -133,6 +139,7 @@ impl Slam {
             last: Pose::default(),
             updates: Vec::new(),
             unexplained: 0,
+            passed_over: 0,
             away: false,
         })
     }
@@ -149,12 +156,14 @@ impl Slam {
             self.rows.push(Row { time_s: scan.time_s, odometry, updates });
             return None;
         }
-        self.last = odometry;
         let sight = Sight::new(scan, &**self.sensors.of(scan), &self.options);
-        let update = if first { self.begin(&sight, odometry) } else { self.update(&sight, odometry, step) };
-        self.updates.push(update);
+        let update = if first { Some(self.begin(&sight, odometry)) } else { self.update(&sight, odometry, step) };
+        if update.is_some() {
+            self.last = odometry;
+        }
+        self.updates.extend(update);
         self.rows.push(Row { time_s: scan.time_s, odometry, updates: self.updates.len() });
-        Some(update)
+        update
     }
 
     /// The first scan: all particles are where the odometry says, and share one map.
@@ -176,7 +185,7 @@ impl Slam {
         }
     }
 
-    fn update(&mut self, sight: &Sight, odometry: Pose, step: Step) -> Update {
+    fn update(&mut self, sight: &Sight, odometry: Pose, step: Step) -> Option<Update> {
         let number = self.updates.len() as u32;
         let seed = self.options.seed;
         let mut random = stream(seed, number, ALL);
@@ -186,16 +195,23 @@ impl Slam {
             .collect();
         let shared = Shared { options: &self.options, motion: &*self.motion, sight, odometry, step, points: &points };
         self.particles.par_iter_mut().enumerate().for_each(|(k, particle)| {
-            particle.update(&shared, &mut stream(seed, number, k as u32));
+            particle.find(&shared, &mut stream(seed, number, k as u32));
         });
-        let logs: Vec<f64> = self.particles.iter().map(|particle| particle.log_weight).collect();
+        let logs: Vec<f64> =
+            self.particles.iter().map(|particle| particle.log_weight + particle.found.log_weight).collect();
         let weights = normalised(&logs);
         let heaviest = heaviest(&logs);
         let best = &self.particles[heaviest];
-        let (pose, matched) = (best.path[best.path.len() - 1], best.found.matched);
+        let (pose, matched) = (best.found.pose, best.found.matched);
         let unseen = self.unseen.evidence(&sight.asked_from(pose));
         let gain = best.found.evidence.zip(unseen).filter(|_| sight.asked() > 0);
         let gain = gain.map(|(known, unknown)| (known - unknown) / sight.asked() as f64);
+        if gain.is_some_and(|gain| gain < COLLAPSE) && self.passed_over < PATIENCE {
+            self.passed_over += 1;
+            return None;
+        }
+        self.passed_over = 0;
+        self.particles.par_iter_mut().for_each(|particle| particle.accept(sight, odometry));
         let carried_away = self.is_carried_away(gain);
         let effective = effective(&weights);
         let resampled = effective < 0.5 * self.particles.len() as f64;
@@ -212,7 +228,7 @@ impl Slam {
         if resampled {
             self.resample(&low_variance(&weights, random.random()));
         }
-        update
+        Some(update)
     }
 
     /// Whether the robot is found to be carried away now, and was not before.

@@ -7,9 +7,10 @@ use sensor::Pose;
 
 use crate::field::{Field, LEVELS};
 use crate::frame::turned;
+use crate::sight::End;
 
-/// Where the readings of a scan ended, in the sensor's frame, m.
-pub(crate) type Ends = [[f64; 2]];
+/// Where the readings of a scan ended.
+pub(crate) type Ends = [End];
 
 /// The poses among which a match is looked for, round a first one.
 #[derive(Debug, Clone, Copy)]
@@ -44,28 +45,31 @@ struct Lattice<'a> {
     ends: Vec<Vec<[f64; 2]>>,
     /// Their cells.
     places: Vec<Vec<[i32; 2]>>,
+    /// What each counts for.
+    shares: Vec<f64>,
 }
 
 impl<'a> Lattice<'a> {
     fn new(field: &'a Field, window: &'a Window, ends: &Ends) -> Self {
         let cell_m = field.cell_m();
-        let farthest_m = ends.iter().map(|[x, y]| libm::hypot(*x, *y)).fold(1.0, f64::max);
+        let farthest_m = ends.iter().map(|end| libm::hypot(end.at[0], end.at[1])).fold(1.0, f64::max);
         let each = libm::ceil(window.half_rad * farthest_m / cell_m).max(1.0);
         let step_rad = window.half_rad / each;
         let each = each as i32;
         let headings: Vec<f64> = (-each..=each).map(|k| f64::from(k) * step_rad).collect();
         let at = window.around.position_m();
         let turn = |heading: &f64| -> Vec<[f64; 2]> {
-            let put = |end: &[f64; 2]| {
-                let [x, y] = turned(*end, window.around.theta_rad + heading);
+            let put = |end: &End| {
+                let [x, y] = turned(end.at, window.around.theta_rad + heading);
                 [at[0] + x, at[1] + y]
             };
             ends.iter().map(put).collect()
         };
+        let shares = ends.iter().map(|end| end.share).collect();
         let ends: Vec<Vec<[f64; 2]>> = headings.iter().map(turn).collect();
         let places = ends.iter().map(|ends| ends.iter().map(|end| field.place(*end)).collect()).collect();
         let cells = libm::ceil(window.half_m / cell_m) as i32;
-        Self { field, window, cells, headings, ends, places }
+        Self { field, window, cells, headings, ends, places, shares }
     }
 
     /// The least that the poses of a square, or one, are off, in nats.
@@ -80,17 +84,22 @@ impl<'a> Lattice<'a> {
 
     fn square(&self, heading: usize, offset: [i32; 2], level: usize) -> Square {
         let places = &self.places[heading];
-        let worth: f64 =
-            places.iter().map(|at| self.field.bound_of([at[0] + offset[0], at[1] + offset[1]], level)).sum();
+        let worth: f64 = self.counted(places, |at| self.field.bound_of([at[0] + offset[0], at[1] + offset[1]], level));
         let bound = self.window.gain * worth - self.least_off(heading, offset, 1 << level);
         Square { heading, offset, level, bound }
+    }
+
+    /// The sum over the ends of what is asked of each, as it counts.
+    #[inline(always)]
+    fn counted<T>(&self, ends: &[T], worth: impl Fn(&T) -> f64) -> f64 {
+        ends.iter().zip(&self.shares).map(|(end, share)| share * worth(end)).sum()
     }
 
     /// What the pose at a heading and an offset is worth.
     fn worth(&self, heading: usize, offset: [i32; 2]) -> f64 {
         let shift = offset.map(|cells| f64::from(cells) * self.field.cell_m());
-        let worth = self.ends[heading].iter().map(|end| self.field.worth([end[0] + shift[0], end[1] + shift[1]]));
-        self.window.gain * worth.sum::<f64>() - self.least_off(heading, offset, 1)
+        let worth = self.counted(&self.ends[heading], |end| self.field.worth([end[0] + shift[0], end[1] + shift[1]]));
+        self.window.gain * worth - self.least_off(heading, offset, 1)
     }
 
     fn inside(&self, offset: [i32; 2]) -> bool {
@@ -205,6 +214,11 @@ mod tests {
         Field::new(&surfaces, &map, sharpness, [[1.0; 2], [5.0; 2]], true)
     }
 
+    /// Ends of which some count for more than others.
+    fn shared(ends: &[[f64; 2]]) -> Vec<End> {
+        ends.iter().enumerate().map(|(k, at)| End { at: *at, share: 1.0 / (1 + k % 3) as f64 }).collect()
+    }
+
     fn points(number: std::ops::Range<usize>, low: f64, high: f64) -> impl Strategy<Value = Vec<[f64; 2]>> {
         prop::collection::vec(prop::array::uniform2(low..high), number)
     }
@@ -244,7 +258,7 @@ mod tests {
             let field = field(&surfaces);
             let around = Pose { x_m: at[0], y_m: at[1], theta_rad };
             let window = Window { around, half_m: 0.55, half_rad: 0.2, sigmas: [sigma, 0.2 * sigma], gain: 1.0 };
-            let lattice = Lattice::new(&field, &window, &ends);
+            let lattice = Lattice::new(&field, &window, &shared(&ends));
             let mut best = f64::NEG_INFINITY;
             for heading in 0..lattice.headings.len() {
                 for x in -lattice.cells..=lattice.cells {

@@ -13,7 +13,7 @@ use crate::gaussian::Gaussian;
 use crate::matcher::{Window, coarse, moved, uphill};
 use crate::motion::Motion;
 use crate::options::{NOWHERE, Options, Proposal, Weight};
-use crate::sight::Sight;
+use crate::sight::{End, Sight};
 use crate::surfaces::Surfaces;
 
 /// The matcher looks at poses up to so many standard deviations of the odometry away ...
@@ -27,9 +27,6 @@ const MOST: [f64; 2] = [1.0, 0.5];
 
 /// So far beyond the window the way uphill and points round its end may lead, m and rad.
 const BEYOND: [f64; 2] = [0.2, 0.02];
-
-/// Odometry is not taken to be better than this along and across the way, m, and in its heading, rad, where scans are matched.
-const FLOOR: [f64; 3] = [0.01, 0.01, 0.005];
 
 /// Steps of the differences from which the curvature at the best match is taken, m and rad.
 const STEPS: [f64; 3] = [0.015, 0.015, 0.006];
@@ -58,6 +55,10 @@ pub(crate) struct Particle {
 /// What an update of a particle found.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Found {
+    /// The next pose.
+    pub(crate) pose: Pose,
+    /// Logarithm of what the scan weighs the particle by.
+    pub(crate) log_weight: f64,
     /// `ln P(readings | map)` of the rays that the map is asked about, at the particle's pose; none of a map that does not predict.
     pub(crate) evidence: Option<f64>,
     /// Mean worth of the readings as matched, 0 to 1; 0 where nothing was matched.
@@ -101,8 +102,8 @@ impl Particle {
         })
     }
 
-    /// Finds the next pose, weighs it and maps the scan from there.
-    pub(crate) fn update(&mut self, shared: &Shared, random: &mut ChaCha8Rng) {
+    /// Finds the next pose and weighs it.
+    pub(crate) fn find(&mut self, shared: &Shared, random: &mut ChaCha8Rng) {
         let guess = self.frame.pose(shared.odometry);
         let sigmas = shared.motion.sigmas(&shared.step);
         let exact = sigmas.iter().all(|sigma| *sigma <= 0.0);
@@ -114,9 +115,14 @@ impl Particle {
             },
         };
         self.found.evidence = self.map.evidence(&shared.sight.asked_from(pose));
-        self.log_weight += log_weight;
-        self.log_total += log_weight;
-        self.take(shared.sight, shared.odometry, pose);
+        (self.found.pose, self.found.log_weight) = (pose, log_weight);
+    }
+
+    /// Takes what was found for true, and maps the scan from there.
+    pub(crate) fn accept(&mut self, sight: &Sight, odometry: Pose) {
+        self.log_weight += self.found.log_weight;
+        self.log_total += self.found.log_weight;
+        self.take(sight, odometry, self.found.pose);
     }
 
     /// Maps a scan from a pose.
@@ -125,7 +131,7 @@ impl Particle {
         self.path.push(pose);
         self.map.integrate(&sight.from(pose));
         for end in &sight.ends {
-            self.surfaces.add(moved(pose, [end[0], end[1], 0.0]).position_m());
+            self.surfaces.add(placed(pose, end));
         }
     }
 
@@ -156,53 +162,36 @@ impl Particle {
         if shared.sight.ends.is_empty() {
             return None;
         }
-        let sigmas: [f64; 3] = std::array::from_fn(|k| sigmas[k].max(FLOOR[k]));
+        let sigmas: [f64; 3] = std::array::from_fn(|k| sigmas[k].max(shared.options.least_sigmas[k]));
         let half = |sigma: f64, k: usize| (SIGMAS * sigma).clamp(LEAST[k], MOST[k]);
-        let [half_m, half_rad] = [half(sigmas[0].max(sigmas[1]), 0), half(sigmas[2], 1)];
-        let field = self.field(shared, guess, [half_m + BEYOND[0], half_rad + BEYOND[1]], true);
+        let search = Search { guess, sigmas, half: [half(sigmas[0].max(sigmas[1]), 0), half(sigmas[2], 1)] };
+        let field = self.field(shared, guess, search.margins(), true);
         if field.surfaces == 0 {
             return None;
         }
+        let found = search.best(&field, shared);
+        self.found.matched = found.matched;
         let power = shared.options.sharpness.power;
-        let window = Window {
-            around: guess,
-            half_m,
-            half_rad,
-            sigmas: [sigmas[0].max(sigmas[1]), sigmas[2]],
-            gain: GAIN * power,
-        };
-        let start = coarse(&field, &window, &shared.sight.ends);
-        // ln p(z | m, x) p(x | x', u), up to what is the same for all particles.
-        let height = |pose: Pose| {
-            let apart = turned([pose.x_m - guess.x_m, pose.y_m - guess.y_m], -guess.theta_rad);
-            let off = [apart[0], apart[1], wrapped_rad(pose.theta_rad - guess.theta_rad)];
-            let prior = -0.5 * (0..3).map(|k| (off[k] / sigmas[k]) * (off[k] / sigmas[k])).sum::<f64>();
-            power * worth_of_ends(&field, shared.sight, pose) + prior
-        };
-        let (top, most) = uphill(start, height);
-        self.found.matched = {
-            let worth = |end: &[f64; 2]| field.worth(moved(top, [end[0], end[1], 0.0]).position_m());
-            shared.sight.ends.iter().map(worth).sum::<f64>() / shared.sight.ends.len() as f64
-        };
-        let around = Around::new((top, most), sigmas, shared.points, height);
+        let height = |pose: Pose| search.height(&field, shared, pose);
+        let around = Around::new((found.top, found.most), sigmas, shared.points, height);
         let log_weight = match shared.options.weight {
             Weight::Field { power: weighed } => weighed / power * around.log_integral,
             Weight::Evidence { power: weighed, .. } => {
-                around.log_mean(|at| weighed * self.evidence(shared.sight, moved(top, at)))
+                around.log_mean(|at| weighed * self.evidence(shared.sight, moved(found.top, at)))
             }
         };
         let normal = std::array::from_fn(|_| random.sample::<f64, _>(StandardNormal));
         let normal = if shared.options.particles == 1 { [0.0; 3] } else { normal };
-        Some((moved(top, around.gaussian.point(&normal)), log_weight))
+        Some((moved(found.top, around.gaussian.point(&normal)), log_weight))
     }
 
     /// The surfaces round the readings as they end from a pose, and from those up to a distance (m) and a turn (rad) away.
     fn field(&self, shared: &Shared, round: Pose, [far_m, turn_rad]: [f64; 2], bounds: bool) -> Field {
         let (mut low, mut high, mut reach_m) = (round.position_m(), round.position_m(), 0.0f64);
         for end in &shared.sight.ends {
-            let at = moved(round, [end[0], end[1], 0.0]).position_m();
+            let at = placed(round, end);
             (low, high) = ([0, 1].map(|k| low[k].min(at[k])), [0, 1].map(|k| high[k].max(at[k])));
-            reach_m = reach_m.max(libm::hypot(end[0], end[1]));
+            reach_m = reach_m.max(libm::hypot(end.at[0], end.at[1]));
         }
         let margin_m = far_m + reach_m * turn_rad;
         let corners = [low.map(|at| at - margin_m), high.map(|at| at + margin_m)];
@@ -215,11 +204,67 @@ impl Particle {
     }
 }
 
+/// Where a match is looked for.
+#[derive(Clone, Copy)]
+struct Search {
+    /// The pose by the odometry.
+    guess: Pose,
+    /// How far that may be off, along, across and in the heading, m, m and rad.
+    sigmas: [f64; 3],
+    /// Half of the window, m and rad.
+    half: [f64; 2],
+}
+
+/// The best match.
+struct Match {
+    top: Pose,
+    /// Its height.
+    most: f64,
+    /// Mean worth of the readings.
+    matched: f64,
+}
+
+impl Search {
+    /// How far poses that are looked at may lie from the guess, m and rad.
+    fn margins(&self) -> [f64; 2] {
+        [0, 1].map(|k| self.half[k] + BEYOND[k])
+    }
+
+    /// `ln p(z | m, x) p(x | x', u)` of a pose, up to what is the same for all particles.
+    fn height(&self, field: &Field, shared: &Shared, pose: Pose) -> f64 {
+        let [along, across] = turned([pose.x_m - self.guess.x_m, pose.y_m - self.guess.y_m], -self.guess.theta_rad);
+        let off = [along, across, wrapped_rad(pose.theta_rad - self.guess.theta_rad)];
+        let prior = -0.5 * (0..3).map(|k| (off[k] / self.sigmas[k]) * (off[k] / self.sigmas[k])).sum::<f64>();
+        shared.options.sharpness.power * worth_of_ends(field, shared.sight, pose) + prior
+    }
+
+    fn best(&self, field: &Field, shared: &Shared) -> Match {
+        let window = Window {
+            around: self.guess,
+            half_m: self.half[0],
+            half_rad: self.half[1],
+            sigmas: [self.sigmas[0].max(self.sigmas[1]), self.sigmas[2]],
+            gain: GAIN * shared.options.sharpness.power,
+        };
+        let ends = &shared.sight.ends;
+        let start = coarse(field, &window, ends);
+        let (top, most) = uphill(start, |pose| self.height(field, shared, pose));
+        let worth = |end: &End| end.share * field.worth(placed(top, end));
+        let all = ends.iter().map(|end| end.share).sum::<f64>();
+        Match { top, most, matched: ends.iter().map(worth).sum::<f64>() / all }
+    }
+}
+
+/// Where a reading ended as seen from a pose, m.
+fn placed(pose: Pose, end: &End) -> [f64; 2] {
+    moved(pose, [end.at[0], end.at[1], 0.0]).position_m()
+}
+
 /// The sum of the likelihood field over the readings of a scan, nats.
 fn worth_of_ends(field: &Field, sight: &Sight, pose: Pose) -> f64 {
-    let worth = |end: &[f64; 2]| {
-        let worth = field.worth(moved(pose, [end[0], end[1], 0.0]).position_m());
-        libm::log((1.0 - NOWHERE) * worth + NOWHERE)
+    let worth = |end: &End| {
+        let worth = field.worth(placed(pose, end));
+        end.share * libm::log((1.0 - NOWHERE) * worth + NOWHERE)
     };
     sight.ends.iter().map(worth).sum()
 }

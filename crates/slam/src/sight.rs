@@ -7,11 +7,24 @@ use crate::options::{Options, Weight};
 /// Rays about which the map is asked to tell whether it still knows where it is.
 const ASKED: usize = 60;
 
+/// Readings that are worth less than this share of one without noise are not matched: nobody knows which surface they ended on.
+const LEAST: f64 = 0.1;
+
+/// Where a reading ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct End {
+    /// The place in the sensor's frame, m.
+    pub(crate) at: [f64; 2],
+    /// What the reading is worth of one without noise, 0 to 1: `s^2 / (s^2 + r^2)`, where `s` is the standard deviation of matching and `r`
+    /// that of the reading's range.
+    pub(crate) share: f64,
+}
+
 /// A scan without its pose.
 pub(crate) struct Sight {
     pub(crate) scan: Scan,
-    /// Where readings ended that lie within reach, m, in the sensor's frame.
-    pub(crate) ends: Vec<[f64; 2]>,
+    /// Readings that lie within reach and say where a surface is.
+    pub(crate) ends: Vec<End>,
     /// The rays about which the map is asked.
     asked: Scan,
 }
@@ -21,7 +34,9 @@ impl Sight {
         let end = |(bearing, reading): (&f64, &Option<f64>)| {
             let range_m = sensor.range_of((*reading)?, *bearing).filter(|range| *range <= options.reach_m)?;
             let (sin, cos) = libm::sincos(*bearing);
-            Some([range_m * cos, range_m * sin])
+            let off = sensor.range_sigma((*reading)?, *bearing) / options.sharpness.sigma_m;
+            let share = 1.0 / (1.0 + off * off);
+            (share >= LEAST).then_some(End { at: [range_m * cos, range_m * sin], share })
         };
         let ends = scan.bearings_rad.iter().zip(&scan.readings).filter_map(end).collect();
         let beams = match options.weight {

@@ -50,6 +50,7 @@ const FEW: Options = Options {
     sharpness: slam::Sharpness { sigma_m: 0.07, occupied: 0.3, power: 1.0 },
     update_move_m: 0.3,
     update_turn_rad: 0.3,
+    least_sigmas: Options::OF_LOGS,
     reach_m: 20.0,
 };
 
@@ -98,7 +99,8 @@ fn the_same_seed_gives_the_same_bits_on_any_number_of_threads() {
 fn particles_share_what_they_have_not_written_apart() {
     let way = way(160);
     let odometry = measured(&way, 5);
-    let bytes = |particles| driven(filter(visibility(), Options { particles, ..FEW }), &way, &odometry).1;
+    let weight = Weight::Field { power: 0.02 };
+    let bytes = |particles| driven(filter(visibility(), Options { particles, weight, ..FEW }), &way, &odometry).1;
     let (one, several) = (bytes(1)[0], bytes(6));
     assert!(several.iter().all(|bytes| *bytes < one), "{one} {several:?}");
     let copies = several.iter().sum::<usize>() as f64 / one as f64;
@@ -119,6 +121,31 @@ fn a_robot_that_is_carried_away_is_noticed_once() {
     }
     assert_eq!(said.len(), 1, "{said:?}");
     assert!((70..100).contains(&said[0].0) && said[0].1.gain.is_some_and(|gain| gain < 0.0), "{said:?}");
+}
+
+#[test]
+fn a_scan_whose_odometry_is_late_is_passed_over() {
+    let way = way(110);
+    let odometry = measured(&way, 5);
+    let found = |late: &[usize]| {
+        let mut filter = filter(visibility(), FEW);
+        let mut updated = Vec::new();
+        for (k, (pose, odometry)) in way.iter().zip(&odometry).enumerate() {
+            // The sensor looks a radian aside, of which the odometry does not know yet.
+            let turn_rad = if late.contains(&k) { 1.0 } else { 0.0 };
+            let seen = seen(Pose { theta_rad: pose.theta_rad + turn_rad, ..*pose }, k);
+            updated.extend(filter.take(&seen, *odometry).map(|update| (k, update.carried_away)));
+        }
+        (filter.finish().trajectory, updated)
+    };
+    let (_, updated) = found(&[]);
+    let late: Vec<usize> =
+        updated.iter().map(|(k, _)| *k).filter(|k| [30..35, 60..65, 90..95].iter().any(|r| r.contains(k))).collect();
+    assert!(late.len() >= 3, "{late:?}");
+    let (trajectory, updated) = found(&late);
+    assert!(updated.iter().all(|(k, away)| !late.contains(k) && !away), "{late:?}: {updated:?}");
+    let off_m = worst_m(trajectory.iter().map(|(_, pose)| *pose), &way);
+    assert!(off_m < 0.1, "{off_m} m");
 }
 
 #[test]

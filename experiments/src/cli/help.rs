@@ -13,6 +13,7 @@ const GROUPS: [(&str, &[(&str, &str)]); 4] = [
             ("compare", "compare --quick"),
             ("sweep", "sweep cell-size"),
             ("tune", "tune --mappers mrf"),
+            ("slam-worlds", "slam-worlds --seeds 5"),
             ("ray", "ray near"),
             ("sensor", "sensor room"),
             ("speed", "speed --growth"),

@@ -10,7 +10,8 @@ mod returns;
 mod scores;
 mod source;
 
-pub use options::SlamOptions;
+pub use options::{SlamOptions, Weighing};
+pub(super) use scores::plain;
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -55,7 +56,8 @@ pub fn run(options: &SlamOptions) -> Result<(), Failure> {
     let mut staging = Staging::open(&out, &Purpose::new("slam", &reads, outputs::names(&options.paper)))?;
 
     let refused = |error: slam::SlamError| Failure::BadInput(format!("--mapper {}: {error}", entry.name));
-    let mut filter = Slam::new(entry.mapper(&model), &model, Arc::new(noise), options.filter()).map_err(refused)?;
+    let mut filter = Slam::new(entry.mapper(&model), &model, Arc::new(noise), options.filter_of(report.is_some()))
+        .map_err(refused)?;
     let progress = Count::scans(scans.len() as u64);
     let mapping = Instant::now();
     let mut away: Vec<Update> = Vec::new();

@@ -38,10 +38,10 @@ pub struct SlamOptions {
     #[arg(long, value_name = "P", allow_negative_numbers = true, value_parser = power)]
     pub power: Option<f64>,
     /// A scan is matched and mapped once the sensor has moved so far, m, or turned by --update-turn
-    #[arg(long, value_name = "M", default_value_t = 0.3, allow_negative_numbers = true, value_parser = positive)]
+    #[arg(long, value_name = "M", default_value_t = 0.2, allow_negative_numbers = true, value_parser = positive)]
     pub update_move: f64,
     /// As --update-move, for turns, degrees
-    #[arg(long, value_name = "DEG", default_value_t = 17.0, allow_negative_numbers = true, value_parser = positive)]
+    #[arg(long, value_name = "DEG", default_value_t = 10.0, allow_negative_numbers = true, value_parser = positive)]
     pub update_turn: f64,
     /// Standard deviations of the odometry: rad per rad turned, rad per m, m per m, m per rad
     #[arg(long, value_name = "A,B,C,D", allow_hyphen_values = true, value_parser = noise)]
@@ -143,6 +143,26 @@ fn bound(text: &str) -> Result<Bound, String> {
     }
 }
 
+impl Weighing {
+    /// Its name on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Evidence => "evidence",
+            Self::Field => "field",
+        }
+    }
+
+    /// The weight, with the power that was fitted unless another is given.
+    pub fn weight(self, power: Option<f64>) -> Weight {
+        match self {
+            Self::Field => Weight::Field { power: power.unwrap_or(Weight::FIELD.power()) },
+            Self::Evidence => {
+                Weight::Evidence { beams: Weight::BEAMS, power: power.unwrap_or(Weight::EVIDENCE.power()) }
+            }
+        }
+    }
+}
+
 fn power(text: &str) -> Result<f64, String> {
     number(text, "above 0, at most 1", |value| value > 0.0 && value <= 1.0)
 }
@@ -173,18 +193,18 @@ fn numbers(text: &str) -> Vec<f64> {
 }
 
 impl SlamOptions {
-    /// How the filter works.
+    /// How the filter works on a log or a scene.
+    pub(super) fn filter_of(&self, is_log: bool) -> Options {
+        let usual = self.filter();
+        Options { least_sigmas: if is_log { Options::OF_LOGS } else { usual.least_sigmas }, ..usual }
+    }
+
+    /// How the filter works, whatever the source.
     pub(super) fn filter(&self) -> Options {
-        let weight = match (self.weight, self.power) {
-            (Weighing::Field, power) => Weight::Field { power: power.unwrap_or(Weight::FIELD.power()) },
-            (Weighing::Evidence, power) => {
-                Weight::Evidence { beams: Weight::BEAMS, power: power.unwrap_or(Weight::EVIDENCE.power()) }
-            }
-        };
         Options {
             particles: self.particles as usize,
             seed: self.seed,
-            weight,
+            weight: self.weight.weight(self.power),
             update_move_m: self.update_move,
             update_turn_rad: self.update_turn.to_radians(),
             ..Options::default()

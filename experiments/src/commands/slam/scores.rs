@@ -70,7 +70,8 @@ pub(super) fn stamped(time_s: f64, pose: Pose) -> Stamped {
     Stamped { time_s, pose: plain(pose) }
 }
 
-fn plain(pose: Pose) -> trajectory::Pose {
+/// A pose as scores take it.
+pub(in crate::commands) fn plain(pose: Pose) -> trajectory::Pose {
     trajectory::Pose { x_m: pose.x_m, y_m: pose.y_m, theta_rad: pose.theta_rad }
 }
 
