@@ -24,5 +24,7 @@ pub mod schema;
 pub mod seen;
 pub mod shipped;
 pub mod site;
+pub mod track;
+pub mod weighing;
 pub mod witness;
 pub mod yard;

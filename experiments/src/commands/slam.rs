@@ -1,6 +1,7 @@
 //! `slam`: trajectory and map together, from scans and odometry.
 
 mod along;
+mod bound;
 mod document;
 mod figure;
 mod options;
@@ -10,8 +11,7 @@ mod returns;
 mod scores;
 mod source;
 
-pub use options::{SlamOptions, Weighing};
-pub(super) use scores::plain;
+pub use options::SlamOptions;
 
 use std::sync::Arc;
 use std::time::Instant;

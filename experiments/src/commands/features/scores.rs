@@ -14,6 +14,7 @@ use super::source::Recording;
 use super::track::Found;
 use crate::failure::Failure;
 use crate::output::table::{Table, optional, rounded};
+use crate::worlds::track::plain;
 
 /// A step of the relative error, m.
 const STEP_M: f64 = 1.0;
@@ -250,10 +251,6 @@ fn interval(ours: &[f64], theirs: &[f64]) -> Option<(f64, [f64; 2])> {
 
 fn refused(error: TrajectoryError) -> Failure {
     Failure::BadInput(error.to_string())
-}
-
-fn plain(pose: Pose) -> trajectory::Pose {
-    trajectory::Pose { x_m: pose.x_m, y_m: pose.y_m, theta_rad: pose.theta_rad }
 }
 
 /// Poses beside the true ones; none where these are not all known.

@@ -4,12 +4,13 @@ use score::trajectory::{Stamped, aligned, associated};
 use sensor::Pose;
 use slam::Update;
 
-use super::scores::{MOST_S, stamped};
+use super::scores::MOST_S;
 use super::source::Taken;
 use crate::figures::chart::{Axis, Chart, Series, sheet};
 use crate::figures::ink::{FAINT, ROUTE};
 use crate::figures::style::Style;
 use crate::figures::{Drawing, Paper};
+use crate::worlds::track::stamped;
 
 /// What the picture shows.
 pub(super) const CAPTION: &str = "Along the way: effective number of particles before they are drawn anew (as a share of all), how far they lie \

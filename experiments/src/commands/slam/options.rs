@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use sensor::OdometryNoise;
-use slam::{Options, Weight};
+use slam::Options;
 
-use super::scores::METRICS;
+use super::bound::{Bound, bound};
 use crate::figures::Paper;
 use crate::output::args::{
     FormatOption, Given, PriorOptions, ThreadsOption, count, number, positive, probability, trimmed,
@@ -15,6 +15,7 @@ use crate::output::folder;
 use crate::output::recording::RecordingOption;
 use crate::worlds::kernels::{LaserOptions, StereoOptions};
 use crate::worlds::reading::{DAMAGED_SHARE, FanArgs, stem};
+use crate::worlds::weighing::Weighing;
 
 /// Options of `slam`.
 #[derive(Debug, Args)]
@@ -111,58 +112,6 @@ pub struct SlamOptions {
     pub given: Given,
 }
 
-/// What particles are weighed by.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
-pub enum Weighing {
-    /// what the particle's map says of the readings
-    Evidence,
-    /// the likelihood field of the surfaces, as GMapping has it
-    #[default]
-    Field,
-}
-
-/// What the mean of a metric must not exceed.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Bound {
-    /// Name of the metric.
-    pub metric: String,
-    /// In the unit of the metric.
-    pub most: f64,
-}
-
-fn bound(text: &str) -> Result<Bound, String> {
-    let parts = text.split_once('=').and_then(|(metric, most)| Some((metric.trim(), most.trim().parse().ok()?)));
-    match parts {
-        Some((metric, most)) if METRICS.contains(&metric) && f64::is_finite(most) && most >= 0.0 => {
-            Ok(Bound { metric: metric.to_owned(), most })
-        }
-        _ => Err(format!(
-            "must be a metric and a number, 0 or more, such as ate=0.05; metrics are {}",
-            METRICS.join(", ")
-        )),
-    }
-}
-
-impl Weighing {
-    /// Its name on the command line.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Evidence => "evidence",
-            Self::Field => "field",
-        }
-    }
-
-    /// The weight, with the power that was fitted unless another is given.
-    pub fn weight(self, power: Option<f64>) -> Weight {
-        match self {
-            Self::Field => Weight::Field { power: power.unwrap_or(Weight::FIELD.power()) },
-            Self::Evidence => {
-                Weight::Evidence { beams: Weight::BEAMS, power: power.unwrap_or(Weight::EVIDENCE.power()) }
-            }
-        }
-    }
-}
-
 fn power(text: &str) -> Result<f64, String> {
     number(text, "above 0, at most 1", |value| value > 0.0 && value <= 1.0)
 }
@@ -249,8 +198,6 @@ mod tests {
     fn lists_of_numbers_are_whole_or_refused() {
         assert_eq!(window("1, 2.5"), Ok([1.0, 2.5]));
         assert!(["2,1", "1", "1,2,3", "a,b", "1,inf"].iter().all(|text| window(text).is_err()));
-        assert!(bound("ate = 0.5").is_ok_and(|bound| bound.metric == "ate" && bound.most.total_cmp(&0.5).is_eq()));
-        assert!(["ate", "ate=", "ate=-1", "ate=inf", "eta=1", "=1"].iter().all(|text| bound(text).is_err()));
         assert!(noise("0,0,0,0").is_ok_and(|noise| noise == OdometryNoise::NONE));
         assert!(["1,2,3", "1,2,3,-1", "1,2,3,NaN", ""].iter().all(|text| noise(text).is_err()));
     }

@@ -13,7 +13,7 @@ use slam::{Outcome, Update};
 use super::along;
 use super::document::{self, Pictures};
 use super::figure::{self, Ways};
-use super::options::{SlamOptions, Weighing};
+use super::options::SlamOptions;
 use super::scores::{References, Scores};
 use super::source::Taken;
 use crate::failure::Failure;
@@ -160,10 +160,7 @@ fn configuration(told: &Told) -> Value {
     let options = told.options;
     let filter = options.filter();
     let name = |path: &Option<std::path::PathBuf>| path.as_ref().map(|path| path.display().to_string());
-    let weight = match options.weight {
-        Weighing::Evidence => "evidence",
-        Weighing::Field => "field",
-    };
+    let weight = options.weight.name();
     let noise = options.noise();
     json!({
         "source": told.place,

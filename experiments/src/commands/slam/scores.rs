@@ -1,36 +1,24 @@
 //! How far a trajectory is from what is believed.
 
 use score::trajectory::{
-    self, LOOP_S, PoseErrors, Relation, Spread, Stamped, Step, TrajectoryError, absolute, aligned, associated, related,
+    LOOP_S, PoseErrors, Relation, Spread, Stamped, Step, TrajectoryError, absolute, aligned, associated, related,
     relative,
 };
 use sensor::Pose;
 use serde_json::json;
 
-use super::options::{Bound, SlamOptions};
+use super::bound::Bound;
+use super::options::SlamOptions;
 use super::source::Taken;
 use crate::failure::Failure;
 use crate::output::table::{self, Table, rounded};
+use crate::worlds::track::{plain, stamped};
 
 /// Poses and relations are of the same moment up to this, s.
 pub(super) const MOST_S: f64 = 0.1;
 
 /// A step of the relative error, m.
 const STEP_M: f64 = 1.0;
-
-/// Every metric there is.
-pub(super) const METRICS: [&str; 10] = [
-    "ate",
-    "ate_rotation",
-    "rpe_1m",
-    "rpe_1m_rotation",
-    "relations",
-    "relations_rotation",
-    "relations_loops",
-    "relations_loops_rotation",
-    "relations_others",
-    "relations_others_rotation",
-];
 
 /// What a trajectory is scored against.
 pub(super) struct References {
@@ -63,16 +51,6 @@ impl References {
         };
         Ok(Self { truth, relations })
     }
-}
-
-/// A pose and its time.
-pub(super) fn stamped(time_s: f64, pose: Pose) -> Stamped {
-    Stamped { time_s, pose: plain(pose) }
-}
-
-/// A pose as scores take it.
-pub(in crate::commands) fn plain(pose: Pose) -> trajectory::Pose {
-    trajectory::Pose { x_m: pose.x_m, y_m: pose.y_m, theta_rad: pose.theta_rad }
 }
 
 /// One number: whose, which, and over what.

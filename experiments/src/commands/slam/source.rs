@@ -6,12 +6,12 @@ use score::trajectory::Stamped;
 use sensor::{Pose, Scan};
 
 use super::options::SlamOptions;
-use super::scores::stamped;
 use crate::failure::Failure;
 use crate::worlds::condition::AS_BELIEVED;
 use crate::worlds::kernels;
 use crate::worlds::scenes;
 use crate::worlds::site::{Assumptions, Site, camera_alone};
+use crate::worlds::track::stamped;
 
 /// Side of a cell of a log's map, m.
 const CELL_M: f64 = 0.05;

@@ -7,9 +7,9 @@ use scene::Set;
 use sensor::OdometryNoise;
 use slam::{Options, Weight};
 
-use crate::commands::slam::Weighing;
 use crate::output::args::{FormatOption, ThreadsOption, count, number, trimmed};
 use crate::worlds::scenes::{FAMILIES, scene};
+use crate::worlds::weighing::Weighing;
 
 /// Options of `slam-worlds`.
 #[derive(Debug, Args)]

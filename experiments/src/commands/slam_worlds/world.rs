@@ -13,10 +13,10 @@ use sensor::{Laser, Pose, Scan, wrapped_rad};
 use slam::Slam;
 
 use super::options::{Sensing, SlamWorldsOptions, Weighed};
-use crate::commands::slam::plain;
 use crate::failure::Failure;
 use crate::worlds::condition::AS_BELIEVED;
 use crate::worlds::site::{Assumptions, Site, WorldId};
+use crate::worlds::track::plain;
 use crate::worlds::witness::Witness;
 
 /// Random stream of a laser's readings, far from those of the camera.

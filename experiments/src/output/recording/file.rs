@@ -240,6 +240,11 @@ pub(super) mod tests {
         found
     }
 
+    /// The record at a place.
+    fn record(bytes: &[u8]) -> (u8, &[u8]) {
+        (bytes[0], &bytes[9..9 + number(&bytes[1..9]) as usize])
+    }
+
     fn text(bytes: &[u8]) -> String {
         String::from_utf8(bytes.to_vec()).expect("text")
     }
@@ -287,16 +292,16 @@ pub(super) mod tests {
         let mut times = Vec::new();
         for (_, index) in &groups[4..] {
             let (start, length) = (number(&index[16..24]) as usize, number(&index[24..32]) as usize);
-            let chunk = records(&bytes[start..start + length])[0].1;
+            let chunk = record(&bytes[start..start + length]).1;
             let size = number(&chunk[16..24]) as usize;
             let inside = &chunk[chunk.len() - size..];
             let (map, _) = sized(&index[32..]);
             for entry in map.chunks(10) {
                 let at = number(&entry[2..]) as usize;
-                let (opcode, content) = records(&bytes[at..])[0];
+                let (opcode, content) = record(&bytes[at..]);
                 assert_eq!((opcode, &content[..2]), (opcode::MESSAGE_INDEX, &entry[..2]));
                 for place in sized(&content[2..]).0.chunks(16) {
-                    let (opcode, message) = records(&inside[number(&place[8..]) as usize..])[0];
+                    let (opcode, message) = record(&inside[number(&place[8..]) as usize..]);
                     assert_eq!((opcode, number(&message[6..14])), (opcode::MESSAGE, number(&place[..8])));
                     assert_eq!(message[..2], entry[..2]);
                     times.push(number(&place[..8]));
