@@ -62,6 +62,8 @@ pub struct Outcome {
     pub map: Box<dyn Mapper>,
     /// The updates.
     pub updates: Vec<Update>,
+    /// Times of the scans that were passed over, s: the map contradicted them, and one that came soon after fitted.
+    pub passed_over: Vec<f64>,
 }
 
 /// Trajectory and map together, scan by scan.
@@ -79,8 +81,9 @@ pub struct Slam {
     updates: Vec<Update>,
     /// Updates in a row that the map explains worse than none.
     unexplained: usize,
-    /// Scans in a row that were passed over.
-    passed_over: usize,
+    /// Times of the scans that were passed over, s, and how many of them are the last in a row.
+    passed_over: Vec<f64>,
+    in_a_row: usize,
     /// Whether it was said that the robot was carried away, and no scan has fitted since.
     away: bool,
 }
@@ -139,7 +142,8 @@ impl Slam {
             last: Pose::default(),
             updates: Vec::new(),
             unexplained: 0,
-            passed_over: 0,
+            passed_over: Vec::new(),
+            in_a_row: 0,
             away: false,
         })
     }
@@ -206,11 +210,12 @@ impl Slam {
         let unseen = self.unseen.evidence(&sight.asked_from(pose));
         let gain = best.found.evidence.zip(unseen).filter(|_| sight.asked() > 0);
         let gain = gain.map(|(known, unknown)| (known - unknown) / sight.asked() as f64);
-        if gain.is_some_and(|gain| gain < COLLAPSE) && self.passed_over < PATIENCE {
-            self.passed_over += 1;
+        if gain.is_some_and(|gain| gain < COLLAPSE) && self.in_a_row < PATIENCE {
+            self.in_a_row += 1;
+            self.passed_over.push(sight.scan.time_s);
             return None;
         }
-        self.passed_over = 0;
+        self.in_a_row = 0;
         self.particles.par_iter_mut().for_each(|particle| particle.accept(sight, odometry));
         let carried_away = self.is_carried_away(gain);
         let effective = effective(&weights);
@@ -288,7 +293,12 @@ impl Slam {
         let totals: Vec<f64> = self.particles.iter().map(|particle| particle.log_total).collect();
         let mut best = self.particles.swap_remove(heaviest(&totals));
         best.map.settle();
-        Outcome { trajectory: trajectory::poses(&self.rows, &best.path), map: best.map, updates: self.updates }
+        Outcome {
+            trajectory: trajectory::poses(&self.rows, &best.path),
+            map: best.map,
+            updates: self.updates,
+            passed_over: self.passed_over,
+        }
     }
 }
 

@@ -136,13 +136,16 @@ fn a_scan_whose_odometry_is_late_is_passed_over() {
             let seen = seen(Pose { theta_rad: pose.theta_rad + turn_rad, ..*pose }, k);
             updated.extend(filter.take(&seen, *odometry).map(|update| (k, update.carried_away)));
         }
-        (filter.finish().trajectory, updated)
+        let slam::Outcome { trajectory, passed_over, .. } = filter.finish();
+        (trajectory, updated, passed_over)
     };
-    let (_, updated) = found(&[]);
+    let (_, updated, none) = found(&[]);
+    assert!(none.is_empty(), "{none:?}");
     let late: Vec<usize> =
         updated.iter().map(|(k, _)| *k).filter(|k| [30..35, 60..65, 90..95].iter().any(|r| r.contains(k))).collect();
     assert!(late.len() >= 3, "{late:?}");
-    let (trajectory, updated) = found(&late);
+    let (trajectory, updated, passed_over) = found(&late);
+    assert_eq!(passed_over.len(), late.len(), "{passed_over:?}");
     assert!(updated.iter().all(|(k, away)| !late.contains(k) && !away), "{late:?}: {updated:?}");
     let off_m = worst_m(trajectory.iter().map(|(_, pose)| *pose), &way);
     assert!(off_m < 0.1, "{off_m} m");

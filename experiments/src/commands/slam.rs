@@ -75,6 +75,7 @@ pub fn run(options: &SlamOptions) -> Result<(), Failure> {
     let bytes = filter.bytes();
     let outcome = filter.finish();
     outputs::tell_carried_away(&place, &away);
+    outputs::tell_passed_over(&place, &outcome.passed_over);
     outputs::tell_outside(&place, &outcome, &model.grid)?;
     let scores = Scores::of(&outcome.trajectory, &scans, &references)?;
     let went: Vec<(f64, [f64; 2])> =

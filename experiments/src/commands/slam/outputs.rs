@@ -84,8 +84,7 @@ pub(super) fn write(staging: &mut Staging, told: &Told) -> Result<(), Failure> {
     staging.write("report.html", |out| out.write_all(html.as_bytes()))?;
     let away: Vec<f64> = told.away.iter().map(|update| update.time_s).collect();
     let returned: Vec<f64> = told.returns.iter().map(|k| told.outcome.updates[*k].time_s).collect();
-    let findings =
-        json!({ "carried_away_s": away, "returned_s": returned, "relations_left_out": told.scores.left_out });
+    let findings = json!({ "carried_away_s": away, "returned_s": returned, "passed_over_s": told.outcome.passed_over, "relations_left_out": told.scores.left_out });
     let mut parts = json!({ "configuration": configuration, "grid": told.model.grid, "findings": findings });
     if let Some(pictures) = told.options.paper.asked() {
         parts["pictures"] = json!(pictures);
@@ -198,6 +197,17 @@ pub(super) fn tell_carried_away(place: &str, away: &[Update]) {
             "warning: {place}: at {:.1} s the robot is not where its map says: the map predicts the scans worse than no map would; was it \
              carried away, or did its wheels slip?",
             update.time_s
+        ));
+    }
+}
+
+/// Says which scans were passed over.
+pub(super) fn tell_passed_over(place: &str, times_s: &[f64]) {
+    if let Some(first) = times_s.first() {
+        let scans = if times_s.len() == 1 { "1 scan is".to_owned() } else { format!("{} scans are", times_s.len()) };
+        note(format_args!(
+            "note: {place}: {scans} passed over, the first at {first:.1} s: the map contradicts them, and fits what comes soon after; is the \
+             odometry late there?"
         ));
     }
 }
