@@ -69,6 +69,12 @@ pub struct Page {
 /// Sorts tables.
 const TABLES: &str = include_str!("../templates/tables.js");
 
+/// How every page looks.
+const STYLE: &str = include_str!("../templates/report.css");
+
+/// What following particles looks like besides.
+const CLOUD_STYLE: &str = include_str!("../templates/cloud.css");
+
 /// Follows particles.
 const CLOUD: &str = include_str!("../templates/cloud.js");
 
@@ -91,7 +97,7 @@ const VIEWER: &str = concat!(
 #[template(path = "report.html")]
 struct Filled<'a> {
     page: &'a Page,
-    style: &'static str,
+    style: String,
     script: String,
     viewer: Option<String>,
     cloud: Option<String>,
@@ -141,7 +147,7 @@ pub fn page(page: &Page) -> Result<String, Failure> {
         left_out: page.viewer.is_some() && viewer.is_none(),
         failed: page.claims.iter().filter(|claim| !claim.holds).count(),
         page,
-        style: include_str!("../templates/report.css"),
+        style: [STYLE, page.cloud.as_ref().map_or("", |_| CLOUD_STYLE)].concat(),
         script: [TABLES, viewer.as_ref().map_or("", |_| VIEWER), page.cloud.as_ref().map_or("", |_| CLOUD)].concat(),
         glossary: spoken_of(page),
         version: env!("CARGO_PKG_VERSION"),
