@@ -15,6 +15,7 @@ pub mod kernels;
 pub mod levels;
 pub mod map_file;
 pub mod mappers;
+pub(crate) mod odometry;
 pub mod poses;
 pub mod ranked;
 pub mod reading;

@@ -80,6 +80,7 @@ pub fn run(options: &SlamOptions) -> Result<(), Failure> {
     let scores = Scores::of(&outcome.trajectory, &scans, &references)?;
     let went: Vec<(f64, [f64; 2])> =
         outcome.updates.iter().map(|update| (update.time_s, update.pose.position_m())).collect();
+    let (map, seen) = outputs::cropped(&scans, &outcome, &model);
     let told = Told {
         options,
         entry,
@@ -88,6 +89,8 @@ pub fn run(options: &SlamOptions) -> Result<(), Failure> {
         model: &model,
         sensor: report.as_ref().map(|(_, sensor)| *sensor),
         outcome: &outcome,
+        map: &map,
+        seen: &seen,
         scores: &scores,
         away: &away,
         moments: &moments,

@@ -35,8 +35,7 @@ pub fn run(options: &SlamWorldsOptions) -> Result<(), Failure> {
     let progress = Count::worlds(tasks.len());
     let outcomes = engine::each(&tasks, rayon::current_num_threads(), |(family, sensing, seed)| {
         let drive = Drive::of(&families[*family], *seed, *sensing)?;
-        let slam = |weighed| drive.slam(entry, weighed, options);
-        let outcomes: Vec<Outcome> = weighed.iter().copied().map(slam).collect::<Result<_, _>>()?;
+        let outcomes = drive.outcomes(entry, &weighed, options)?;
         progress.step();
         Ok(outcomes)
     });

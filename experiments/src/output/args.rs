@@ -169,6 +169,11 @@ pub(crate) fn probability(text: &str) -> Result<f64, String> {
     number(text, "from 0 to 1", |v| (0.0..=1.0).contains(&v))
 }
 
+/// A share that is not nothing, as a value parser of clap.
+pub(crate) fn share(text: &str) -> Result<f64, String> {
+    number(text, "above 0, at most 1", |value| value > 0.0 && value <= 1.0)
+}
+
 /// A name of a list, without the blanks about it.
 pub(crate) fn trimmed(text: &str) -> Result<String, Infallible> {
     Ok(text.trim().to_owned())

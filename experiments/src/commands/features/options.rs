@@ -8,9 +8,10 @@ use slam::features::{Association, FeatureOptions, FeatureProposal, Identity};
 
 use super::filter::Filter;
 use crate::figures::Paper;
-use crate::output::args::{FormatOption, Given, ThreadsOption, count, number, positive};
+use crate::output::args::{FormatOption, Given, ThreadsOption, count, number, positive, share};
 use crate::output::folder;
 use crate::worlds::kernels::StereoOptions;
+use crate::worlds::odometry::noise;
 use crate::worlds::reading::stem;
 
 /// Options of `features`.
@@ -94,28 +95,12 @@ pub enum Asked {
     Known,
 }
 
-fn share(text: &str) -> Result<f64, String> {
-    number(text, "above 0, at most 1", |value| value > 0.0 && value <= 1.0)
-}
-
 fn field_of_view(text: &str) -> Result<f64, String> {
     number(text, "above 0, below 180", |value| value > 0.0 && value < 180.0)
 }
 
 fn vantage(text: &str) -> Result<f64, String> {
     number(text, "above 0, or inf", |value| value > 0.0)
-}
-
-fn noise(text: &str) -> Result<OdometryNoise, String> {
-    let bound = "must be four numbers, 0 or more, such as 0.056,0.017,0.1,0.01";
-    let parts: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
-    match parts.unwrap_or_default()[..] {
-        [rad_per_rad, rad_per_m, m_per_m, m_per_rad] => {
-            let noise = OdometryNoise { rad_per_rad, rad_per_m, m_per_m, m_per_rad };
-            noise.check().map(|()| noise).map_err(|error| format!("{bound}: {error}"))
-        }
-        _ => Err(bound.to_owned()),
-    }
 }
 
 impl FeaturesOptions {

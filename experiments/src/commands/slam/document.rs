@@ -110,17 +110,13 @@ fn returns(told: &Told) -> Table {
 ///
 /// # Errors
 /// A picture that cannot be encoded.
-pub(super) fn cloud(
-    told: &Told,
-    (map, seen): (&grid::Raster<f64>, &grid::Raster<bool>),
-    ways: Vec<(&'static str, Vec<[f64; 2]>)>,
-) -> Result<Cloud, Failure> {
-    let spec = map.spec();
+pub(super) fn cloud(told: &Told, ways: Vec<(&'static str, Vec<[f64; 2]>)>) -> Result<Cloud, Failure> {
+    let spec = told.map.spec();
     let upper = [spec.width, spec.height].map(|side| side as f64 * spec.cell_m);
     let mut moments = told.moments.to_vec();
     told.returns.iter().for_each(|k| moments[*k].returned = true);
     Ok(Cloud {
-        map: cells::png(map, seen, told.model.prior.marginal())?,
+        map: cells::png(told.map, told.seen, told.model.prior.marginal())?,
         corners_m: [spec.origin_m, [0, 1].map(|k| spec.origin_m[k] + upper[k])],
         ways,
         moments,

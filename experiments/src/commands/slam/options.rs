@@ -9,11 +9,12 @@ use slam::Options;
 use super::bound::{Bound, bound};
 use crate::figures::Paper;
 use crate::output::args::{
-    FormatOption, Given, PriorOptions, ThreadsOption, count, number, positive, probability, trimmed,
+    FormatOption, Given, PriorOptions, ThreadsOption, count, positive, probability, share, trimmed,
 };
 use crate::output::folder;
 use crate::output::recording::RecordingOption;
 use crate::worlds::kernels::{LaserOptions, StereoOptions};
+use crate::worlds::odometry::noise;
 use crate::worlds::reading::{DAMAGED_SHARE, FanArgs, stem};
 use crate::worlds::weighing::Weighing;
 
@@ -36,7 +37,7 @@ pub struct SlamOptions {
     #[arg(long, value_enum, default_value_t)]
     pub weight: Weighing,
     /// What the readings of a scan are worth of as many independent ones, where particles are weighed [default: as fitted for --weight]
-    #[arg(long, value_name = "P", allow_negative_numbers = true, value_parser = power)]
+    #[arg(long, value_name = "P", allow_negative_numbers = true, value_parser = share)]
     pub power: Option<f64>,
     /// A scan is matched and mapped once the sensor has moved so far, m, or turned by --update-turn
     #[arg(long, value_name = "M", default_value_t = 0.2, allow_negative_numbers = true, value_parser = positive)]
@@ -112,25 +113,10 @@ pub struct SlamOptions {
     pub given: Given,
 }
 
-fn power(text: &str) -> Result<f64, String> {
-    number(text, "above 0, at most 1", |value| value > 0.0 && value <= 1.0)
-}
-
 fn window(text: &str) -> Result<[f64; 2], String> {
     match numbers(text)[..] {
         [from, to] if from < to => Ok([from, to]),
         _ => Err("must be two numbers of seconds that rise, such as 60,120".to_owned()),
-    }
-}
-
-fn noise(text: &str) -> Result<OdometryNoise, String> {
-    let bound = "must be four numbers, 0 or more, such as 0.056,0.017,0.1,0.01";
-    match numbers(text)[..] {
-        [rad_per_rad, rad_per_m, m_per_m, m_per_rad] => {
-            let noise = OdometryNoise { rad_per_rad, rad_per_m, m_per_m, m_per_rad };
-            noise.check().map(|()| noise).map_err(|error| format!("{bound}: {error}"))
-        }
-        _ => Err(bound.to_owned()),
     }
 }
 
@@ -198,7 +184,5 @@ mod tests {
     fn lists_of_numbers_are_whole_or_refused() {
         assert_eq!(window("1, 2.5"), Ok([1.0, 2.5]));
         assert!(["2,1", "1", "1,2,3", "a,b", "1,inf"].iter().all(|text| window(text).is_err()));
-        assert!(noise("0,0,0,0").is_ok_and(|noise| noise == OdometryNoise::NONE));
-        assert!(["1,2,3", "1,2,3,-1", "1,2,3,NaN", ""].iter().all(|text| noise(text).is_err()));
     }
 }

@@ -41,6 +41,9 @@ pub(super) struct Told<'a> {
     /// That of a log.
     pub(super) sensor: Option<Sensor>,
     pub(super) outcome: &'a Outcome,
+    /// The map round what was seen of it, and which cells were.
+    pub(super) map: &'a Raster<f64>,
+    pub(super) seen: &'a Raster<bool>,
     pub(super) scores: &'a Scores,
     pub(super) away: &'a [Update],
     /// The particles after every update.
@@ -61,15 +64,15 @@ pub(super) fn write(staging: &mut Staging, told: &Told) -> Result<(), Failure> {
     staging.write("trajectory.txt", |out| trajectory(told, out))?;
     told.scores.table().save(staging, "metrics.csv")?;
     updates(&told.outcome.updates).save(staging, "updates.csv")?;
-    let (map, seen) = cropped(told);
-    output::map::write(staging, "map", &map, &seen)?;
+    let (map, seen) = (told.map, told.seen);
+    output::map::write(staging, "map", map, seen)?;
     let places = |poses: &mut dyn Iterator<Item = Pose>| poses.map(|pose| pose.position_m()).collect::<Vec<_>>();
     let found = places(&mut told.outcome.trajectory.iter().map(|(_, pose)| *pose));
     let odometry = places(&mut told.scans.iter().map(|taken| taken.odometry));
     let truth = told.references.truth.as_deref().unwrap_or_default();
     let truth: Vec<[f64; 2]> = truth.iter().map(|stamped| [stamped.pose.x_m, stamped.pose.y_m]).collect();
     let drawn = Ways { found: &found, odometry: &odometry, truth: &truth };
-    let drawing = figure::draw(&map, &seen, told.model.prior.marginal(), &drawn, &told.options.paper);
+    let drawing = figure::draw(map, seen, told.model.prior.marginal(), &drawn, &told.options.paper);
     let paper = &told.options.paper;
     let picture = paper.save(staging, "trajectory.png", &drawing)?;
     let (updates, particles) = (&told.outcome.updates, told.options.particles as usize);
@@ -77,7 +80,7 @@ pub(super) fn write(staging: &mut Staging, told: &Told) -> Result<(), Failure> {
     let along = along::draw(updates, particles, told.scans, way, reference, paper);
     let pictures = Pictures { trajectory: picture, along: paper.save(staging, "along.png", &along)? };
     let ways = vec![("odometry", odometry), ("truth", truth), ("slam", found)];
-    let cloud = document::cloud(told, (&map, &seen), ways)?;
+    let cloud = document::cloud(told, ways)?;
     let configuration = configuration(told);
     let files = staging.files_and(&["report.html", RECORD]);
     let html = document::page(told, cloud, pictures, &configuration, files)?;
@@ -117,14 +120,14 @@ fn updates(updates: &[Update]) -> Table {
 }
 
 /// The map round what was seen of it, and which cells were.
-pub(super) fn cropped(told: &Told) -> (Raster<f64>, Raster<bool>) {
-    let spec = told.model.grid;
+pub(super) fn cropped(scans: &[Taken], outcome: &Outcome, model: &Model) -> (Raster<f64>, Raster<bool>) {
+    let spec = model.grid;
     let mut seen = Seen::new(spec);
-    let mut updates = told.outcome.updates.iter().map(|update| update.time_s).peekable();
-    for (taken, (time_s, pose)) in told.scans.iter().zip(&told.outcome.trajectory) {
+    let mut updates = outcome.updates.iter().map(|update| update.time_s).peekable();
+    for (taken, (time_s, pose)) in scans.iter().zip(&outcome.trajectory) {
         if updates.next_if(|update| update.total_cmp(time_s).is_eq()).is_some() {
             let scan = Scan { pose: *pose, ..taken.scan.clone() };
-            seen.add(&scan, &**told.model.sensors.of(&scan), Reach::Median);
+            seen.add(&scan, &**model.sensors.of(&scan), Reach::Median);
         }
     }
     let seen = seen.cells;
@@ -149,7 +152,7 @@ pub(super) fn cropped(told: &Told) -> (Raster<f64>, Raster<bool>) {
         let (column, row) = window.column_row(cell);
         (row + from[1]) * spec.width + column + from[0]
     };
-    let map = (0..window.cells()).map(|cell| told.outcome.map.occupied(there(cell))).collect();
+    let map = (0..window.cells()).map(|cell| outcome.map.occupied(there(cell))).collect();
     let known = (0..window.cells()).map(|cell| seen[there(cell)]).collect();
     (Raster::new(window, map), Raster::new(window, known))
 }

@@ -2,7 +2,7 @@
 
 use sensor::Scan;
 
-use super::outputs::{Told, cropped};
+use super::outputs::Told;
 use crate::output::recording::{Recorder, START_S, topic};
 
 /// Records every scan from the pose that was found for it, that by odometry, the true poses where they are known, and the map at the end.
@@ -22,6 +22,5 @@ pub(super) fn record(recorder: &mut Recorder, told: &Told) {
         recorder.pose("/pose", last_s, *pose);
         recorder.pose("/odometry/pose", last_s, taken.odometry);
     }
-    let (map, seen) = cropped(told);
-    recorder.map(&format!("/map/{}", topic(told.entry.name)), last_s, &map, &seen);
+    recorder.map(&format!("/map/{}", topic(told.entry.name)), last_s, told.map, told.seen);
 }

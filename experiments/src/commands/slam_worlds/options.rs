@@ -7,7 +7,7 @@ use scene::Set;
 use sensor::OdometryNoise;
 use slam::{Options, Weight};
 
-use crate::output::args::{FormatOption, ThreadsOption, count, number, trimmed};
+use crate::output::args::{FormatOption, ThreadsOption, count, share, trimmed};
 use crate::worlds::scenes::{FAMILIES, scene};
 use crate::worlds::weighing::Weighing;
 
@@ -30,10 +30,10 @@ pub struct SlamWorldsOptions {
     #[arg(long, value_enum, value_name = "A,B", value_delimiter = ',', default_value = "field,evidence")]
     pub weights: Vec<Weighing>,
     /// What the readings of a scan are worth of as many independent ones, comma-separated [default: as fitted for each of --weights]
-    #[arg(long, value_name = "P,Q", value_delimiter = ',', allow_negative_numbers = true, value_parser = power)]
+    #[arg(long, value_name = "P,Q", value_delimiter = ',', allow_negative_numbers = true, value_parser = share)]
     pub powers: Vec<f64>,
     /// What the readings of a scan are worth of as many independent ones against the odometry, where they are matched [default: 1]
-    #[arg(long, value_name = "P", allow_negative_numbers = true, value_parser = power)]
+    #[arg(long, value_name = "P", allow_negative_numbers = true, value_parser = share)]
     pub sharpness: Option<f64>,
     /// Ways that the robot may have gone, which are followed at once
     #[arg(long, value_name = "N", default_value_t = 30, allow_negative_numbers = true, value_parser = count(Options::MOST_PARTICLES as u32))]
@@ -83,10 +83,6 @@ impl Sensing {
 pub(super) struct Weighed {
     pub(super) name: &'static str,
     pub(super) weight: Weight,
-}
-
-fn power(text: &str) -> Result<f64, String> {
-    number(text, "above 0, at most 1", |value| value > 0.0 && value <= 1.0)
 }
 
 impl SlamWorldsOptions {

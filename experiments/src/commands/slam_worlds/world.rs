@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
 use scene::{Family, Odometry, SimulatedScan};
 use score::trajectory::{Believed, Pair, absolute, aligned, nees};
-use score::{Region, Scorer};
+use score::{Region, Scorer, Sightings};
 use sensor::{Laser, Pose, Scan, wrapped_rad};
 use slam::Slam;
 
@@ -53,6 +53,8 @@ pub(super) struct Drive {
     site: Site,
     scans: Vec<SimulatedScan>,
     odometry: Vec<Pose>,
+    /// What its rays can see.
+    seen: Sightings,
 }
 
 impl Drive {
@@ -75,15 +77,31 @@ impl Drive {
             site.setup = Model { prior: site.setup.prior, ..Model::new(site.setup.grid, Arc::new(laser)) };
             scans.iter_mut().enumerate().for_each(|(number, scan)| look(&site, &laser, (seed, number), scan));
         }
-        Ok(Self { family: family.name.clone(), seed, sensing, site, scans, odometry })
+        let mut witness = Witness::new(&site.ground);
+        scans.iter().enumerate().try_for_each(|(number, scan)| witness.look(&site.ground, number, scan))?;
+        Ok(Self { family: family.name.clone(), seed, sensing, site, scans, odometry, seen: witness.seen })
+    }
+
+    /// How it goes by every weight; what does not depend on it is found once.
+    pub(super) fn outcomes(
+        &self,
+        entry: &Entry,
+        weighed: &[Weighed],
+        options: &SlamWorldsOptions,
+    ) -> Result<Vec<Outcome>, Failure> {
+        let (odometry_ate_m, _) = self.aligned(&self.odometry)?;
+        let driven: Vec<Pose> = self.site.ground.drive.poses.iter().map(|timed| timed.pose).collect();
+        let true_log_loss = self.log_loss(entry, &driven)?;
+        weighed.iter().map(|weighed| self.slam(entry, *weighed, options, (odometry_ate_m, true_log_loss))).collect()
     }
 
     /// Finds the way and the map by one weight.
-    pub(super) fn slam(
+    fn slam(
         &self,
         entry: &Entry,
         weighed: Weighed,
         options: &SlamWorldsOptions,
+        (odometry_ate_m, true_log_loss): (f64, f64),
     ) -> Result<Outcome, Failure> {
         let Site { ground, setup } = &self.site;
         let options = options.filter(self.seed, weighed.weight);
@@ -93,12 +111,11 @@ impl Drive {
         for (scan, odometry) in self.scans.iter().zip(&self.odometry) {
             filter.take(&scan.scan, *odometry);
         }
-        let driven = || ground.drive.poses.iter().map(|timed| timed.pose);
-        let nees = driven().next_back().and_then(|last| consistency(&filter.particles(), last));
+        let last = ground.drive.poses.last().map(|timed| timed.pose);
+        let nees = last.and_then(|last| consistency(&filter.particles(), last));
         let outcome = filter.finish();
         let found: Vec<Pose> = outcome.trajectory.iter().map(|(_, pose)| *pose).collect();
         let (ate_m, aligned) = self.aligned(&found)?;
-        let (odometry_ate_m, _) = self.aligned(&self.odometry)?;
         let updates = &outcome.updates;
         Ok(Outcome {
             family: self.family.clone(),
@@ -108,7 +125,7 @@ impl Drive {
             ate_m,
             odometry_ate_m,
             log_loss: self.log_loss(entry, &aligned)?,
-            true_log_loss: self.log_loss(entry, &driven().collect::<Vec<_>>())?,
+            true_log_loss,
             effective: updates.iter().map(|update| update.effective).sum::<f64>() / updates.len() as f64,
             resampled: updates.iter().filter(|update| update.resampled).count(),
             nees,
@@ -135,15 +152,13 @@ impl Drive {
     /// Log loss of the map of all scans from poses, nats per cell that could be seen.
     fn log_loss(&self, entry: &Entry, poses: &[Pose]) -> Result<f64, Failure> {
         let Site { ground, setup } = &self.site;
-        let mut witness = Witness::new(ground);
-        self.scans.iter().enumerate().try_for_each(|(number, scan)| witness.look(ground, number, scan))?;
         let mut mapper = entry.mapper(setup);
         for (scan, pose) in self.scans.iter().zip(poses) {
             mapper.integrate(&Scan { pose: *pose, ..scan.scan.clone() });
         }
         mapper.settle();
-        let scorer = Scorer::new(&ground.truth, witness.seen.surface())?;
-        let scores = scorer.scores(mapper.occupancy(), &witness.seen.mask(Region::Observable))?;
+        let scorer = Scorer::new(&ground.truth, self.seen.surface())?;
+        let scores = scorer.scores(mapper.occupancy(), &self.seen.mask(Region::Observable))?;
         let nothing = || Failure::Internal(format!("{} seed {}: nothing could be seen", self.family, self.seed));
         scores.log_loss.value.ok_or_else(nothing)
     }
