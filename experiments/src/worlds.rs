@@ -3,6 +3,7 @@
 pub(crate) mod agreement;
 pub mod aligned;
 pub mod bins;
+pub mod bound;
 pub mod claims;
 pub mod condition;
 pub mod criteria;
@@ -12,6 +13,7 @@ pub mod faults;
 pub mod film;
 pub mod ground;
 pub mod kernels;
+pub mod landmarks;
 pub mod levels;
 pub mod map_file;
 pub mod mappers;

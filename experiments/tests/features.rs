@@ -116,6 +116,11 @@ fn what_is_missing_is_said_in_one_line_with_what_to_do() {
         (&["--posts", "5", "--vantage", "0"], "must be a number above 0, or inf"),
         (&["--posts", "5", "--noise", "1,2"], "must be four numbers"),
         (&["--posts", "5", "--filter", "fastslam3"], "fastslam2"),
+        (
+            &["plain.csv", "--filter", "fastslam2", "--drives"],
+            "--drives: a table does not say what stands in the world",
+        ),
+        (&["--posts", "5", "--at-most", "false=1"], "metrics are ate, "),
     ] {
         let (out, err) = run(path, 2, args);
         assert!(out.is_empty() && err.contains(message), "{args:?}: {err}");
@@ -128,4 +133,23 @@ fn what_is_missing_is_said_in_one_line_with_what_to_do() {
     let landmarks = fs::read_to_string(path.join("a/landmarks.csv")).expect("readable");
     assert!(landmarks.lines().count() > 1, "the corners of the box: {landmarks}");
     run(path, 0, &["odometry.csv", "--particles", "3", "--out", "b"]);
+}
+
+/// A planner takes walls between two corners for free where it has nothing but landmarks, and the grid of the same drive has them.
+#[test]
+fn drives_on_landmarks_lead_into_walls_and_bounds_fail_the_build() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let args = ["room", "--filter", "known-poses", "--drives", "--format", "csv"];
+    let most = |code: i32, bounds: &[&str], out: &str| {
+        run(folder.path(), code, &[&args[..], bounds, &["--out", out]].concat())
+    };
+    let (out, _) = most(0, &["--at-most", "grid_colliding=0.2"], "a");
+    let of = |metric: &str| mean(&out, "known-poses", metric);
+    assert!(of("grid_reached") > of("reached") && of("colliding") > of("grid_colliding"), "{out}");
+    assert!((of("reached") + of("colliding")) <= 1.0 + 1e-9, "{out}");
+    let (_, err) = most(3, &["--at-most", "colliding=0.01"], "b");
+    assert!(err.contains("colliding is ") && err.contains("above 0.01"), "{err}");
+    assert!(folder.path().join("b/landmarks.csv").exists(), "what is to be looked into is there");
+    let (_, err) = most(2, &["--at-most", "ate=1"], "c");
+    assert!(err.contains("there is no ate here, which needs true poses, and a filter that finds the way"), "{err}");
 }

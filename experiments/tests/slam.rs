@@ -249,7 +249,43 @@ fn bounds_on_errors_fail_the_build_and_what_was_found_is_kept() {
 fn a_scene_brings_its_own_truth() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     fs::write(folder.path().join("closet.toml"), format!("{SCENE}[odometry]\n")).expect("writable");
-    let (out, _) = run(folder.path(), 0, &["slam", "closet.toml", "--particles", "2", "--out", "o"]);
+    let (out, _) = run(folder.path(), 0, &["slam", "closet.toml", "--particles", "9", "--out", "o"]);
     assert!(out.contains("odometry") && out.contains("ate"), "{out}");
     assert!(mean(&folder.path().join("o"), "odometry", "ate") > 0.0);
+    assert!(mean(&folder.path().join("o"), "slam", "nees") > 0.0, "the frame of a scene is known");
+    assert!(!folder.path().join("o/landmarks.csv").exists());
+}
+
+#[test]
+fn landmarks_stand_beside_the_grid_where_a_scene_has_features() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    fs::write(folder.path().join("closet.toml"), format!("{SCENE}[odometry]\n")).expect("writable");
+    let args = ["slam", "closet.toml", "--particles", "3", "--landmarks"];
+    let slam = |more: &[&str]| run(folder.path(), 0, &[&args[..], more].concat());
+    slam(&["--out", "a", "--threads", "1"]);
+    slam(&["--out", "b", "--threads", "3"]);
+    for name in ["trajectory.txt", "landmarks.csv"] {
+        let [a, b] = ["a", "b"].map(|out| fs::read_to_string(folder.path().join(out).join(name)).expect("readable"));
+        assert!(a == b && a.lines().count() > 1, "{name}: {a}");
+    }
+    fs::write(folder.path().join("log.csv"), table(true, |_, time_s| time_s)).expect("writable");
+    let (_, err) = run(folder.path(), 2, &["slam", "log.csv", "--landmarks"]);
+    assert!(err.contains("--landmarks: log.csv is a log, whose scans have no features"), "{err}");
+}
+
+#[test]
+fn worlds_are_scored_by_grid_by_landmarks_and_by_both() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let args = ["slam-worlds", "--families", "clutter", "--seeds", "1", "--sensors", "stereo", "--particles", "3"];
+    let weights = ["--weights", "field,field+landmarks,evidence+landmarks,landmarks"];
+    let (out, _) = run(folder.path(), 0, &[&args[..], &weights, &["--format", "csv"]].concat());
+    let rows: Vec<Vec<&str>> = out.lines().skip(1).map(|line| line.split(',').collect()).collect();
+    let weights: Vec<&str> = rows.iter().map(|row| row[3]).collect();
+    assert_eq!(weights, ["field", "field+landmarks", "evidence+landmarks", "landmarks"]);
+    let ates: Vec<f64> = rows.iter().map(|row| row[5].parse().expect("a number")).collect();
+    assert!(ates.iter().all(|ate| (0.0..0.5).contains(ate)), "{ates:?}");
+    assert!(ates[0] < ates[1] || ates[0] > ates[1], "landmarks are looked at");
+    assert!(rows[3][4].is_empty(), "landmarks alone have no power");
+    let (text, _) = run(folder.path(), 0, &[&args[..], &["--weights", "landmarks"]].concat());
+    assert!(text.contains("landmarks"), "{text}");
 }

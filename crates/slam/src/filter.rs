@@ -7,8 +7,9 @@ use mapper::{Mapper, Model, Sensors};
 use rand::RngExt as _;
 use rand_distr::StandardNormal;
 use rayon::prelude::*;
-use sensor::{Pose, Scan, Step};
+use sensor::{FeatureCamera, FeatureReading, Pose, Scan, Step};
 
+use crate::features::{Association, Beside, FeatureOptionsError, Landmark, confirmed};
 use crate::motion::Motion;
 use crate::options::{Options, OptionsError};
 use crate::particle::{Particle, Shared};
@@ -64,6 +65,8 @@ pub struct Outcome {
     pub updates: Vec<Update>,
     /// Times of the scans that were passed over, s: the map contradicted them, and one that came soon after fitted.
     pub passed_over: Vec<f64>,
+    /// The confirmed landmarks of that particle, where features were looked at ([`Slam::beside`]).
+    pub landmarks: Vec<Landmark>,
 }
 
 /// Trajectory and map together, scan by scan.
@@ -72,6 +75,8 @@ pub struct Slam {
     motion: Arc<dyn Motion>,
     grid: GridSpec,
     sensors: Sensors,
+    /// What features are looked at with, and how.
+    features: Option<(FeatureCamera, Association)>,
     /// The map that has seen nothing.
     unseen: Box<dyn Mapper>,
     particles: Vec<Particle>,
@@ -136,6 +141,7 @@ impl Slam {
             motion,
             grid: model.grid,
             sensors: model.sensors.clone(),
+            features: None,
             unseen: mapper,
             particles: vec![first],
             rows: Vec::new(),
@@ -148,9 +154,26 @@ impl Slam {
         })
     }
 
+    /// The same with landmarks beside the grid: every particle has both maps, and its weight is the product of what the scan says of the one
+    /// and the features of the other, which err independently of each other given the pose. To be said before the first scan.
+    ///
+    /// # Errors
+    /// The first number out of its bounds.
+    pub fn beside(mut self, camera: FeatureCamera, rules: Association) -> Result<Self, FeatureOptionsError> {
+        rules.check(&camera)?;
+        self.features = Some((camera, rules));
+        Ok(self)
+    }
+
     /// Takes the next scan, with the pose of its sensor by the odometry; the pose of the scan does not matter. Tells what came of it, if
     /// it was one that updates the filter.
     pub fn take(&mut self, scan: &Scan, odometry: Pose) -> Option<Update> {
+        self.take_with(scan, &[], odometry)
+    }
+
+    /// As [`take`](Self::take), with the features that the camera read there; they count where they are looked at
+    /// ([`beside`](Self::beside)), of the scans that update the filter.
+    pub fn take_with(&mut self, scan: &Scan, readings: &[FeatureReading], odometry: Pose) -> Option<Update> {
         let step = Step::between(self.last, odometry);
         let near =
             step.distance_m.abs() < self.options.update_move_m && step.turn_rad().abs() < self.options.update_turn_rad;
@@ -161,7 +184,11 @@ impl Slam {
             return None;
         }
         let sight = Sight::new(scan, &**self.sensors.of(scan), &self.options);
-        let update = if first { Some(self.begin(&sight, odometry)) } else { self.update(&sight, odometry, step) };
+        let update = if first {
+            Some(self.begin(&sight, readings, odometry))
+        } else {
+            self.update(&sight, readings, odometry, step)
+        };
         if update.is_some() {
             self.last = odometry;
         }
@@ -171,9 +198,12 @@ impl Slam {
     }
 
     /// The first scan: all particles are where the odometry says, and share one map.
-    fn begin(&mut self, sight: &Sight, odometry: Pose) -> Update {
+    fn begin(&mut self, sight: &Sight, readings: &[FeatureReading], odometry: Pose) -> Update {
         self.particles.truncate(1);
         let first = &mut self.particles[0];
+        if let Some((camera, rules)) = &self.features {
+            Beside { camera, rules, readings }.take(&mut first.landmarks, odometry);
+        }
         first.take(sight, odometry, odometry);
         let copies: Vec<Particle> = (1..self.options.particles).filter_map(|_| self.particles[0].fork()).collect();
         self.particles.extend(copies);
@@ -189,7 +219,7 @@ impl Slam {
         }
     }
 
-    fn update(&mut self, sight: &Sight, odometry: Pose, step: Step) -> Option<Update> {
+    fn update(&mut self, sight: &Sight, readings: &[FeatureReading], odometry: Pose, step: Step) -> Option<Update> {
         let number = self.updates.len() as u32;
         let seed = self.options.seed;
         let mut random = stream(seed, number, ALL);
@@ -197,7 +227,9 @@ impl Slam {
             .map(|_| std::array::from_fn(|_| random.sample::<f64, _>(StandardNormal)))
             .flat_map(|point: [f64; 3]| [point, point.map(|value| -value)])
             .collect();
-        let shared = Shared { options: &self.options, motion: &*self.motion, sight, odometry, step, points: &points };
+        let beside = self.features.as_ref().map(|(camera, rules)| Beside { camera, rules, readings });
+        let (options, motion) = (&self.options, &*self.motion);
+        let shared = Shared { options, motion, sight, beside, odometry, step, points: &points };
         self.particles.par_iter_mut().enumerate().for_each(|(k, particle)| {
             particle.find(&shared, &mut stream(seed, number, k as u32));
         });
@@ -298,6 +330,7 @@ impl Slam {
             map: best.map,
             updates: self.updates,
             passed_over: self.passed_over,
+            landmarks: confirmed(best.landmarks.landmarks()),
         }
     }
 }

@@ -7,6 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use sensor::{Pose, Step, wrapped_rad};
 
+use crate::features::{Beside, Landmarks};
 use crate::field::Field;
 use crate::frame::{Frame, turned};
 use crate::gaussian::Gaussian;
@@ -41,6 +42,9 @@ const GAIN: f64 = 2.0;
 pub(crate) struct Particle {
     pub(crate) map: Box<dyn Mapper>,
     pub(crate) surfaces: Surfaces,
+    /// The landmarks beside the map, and what the last update would make of them; empty where features are not looked at.
+    pub(crate) landmarks: Landmarks,
+    updated: Option<Landmarks>,
     /// Where the odometry's frame lies.
     pub(crate) frame: Frame,
     /// Poses at the scans that updated the filter.
@@ -70,6 +74,8 @@ pub(crate) struct Shared<'a> {
     pub(crate) options: &'a Options,
     pub(crate) motion: &'a dyn Motion,
     pub(crate) sight: &'a Sight,
+    /// The features that were read with the scan, where they are looked at.
+    pub(crate) beside: Option<Beside<'a>>,
     pub(crate) odometry: Pose,
     /// The way since the last update by the odometry.
     pub(crate) step: Step,
@@ -83,6 +89,8 @@ impl Particle {
         Self {
             map,
             surfaces,
+            landmarks: Landmarks::default(),
+            updated: None,
             frame: Frame::SAME,
             path: Vec::new(),
             log_weight: 0.0,
@@ -96,6 +104,8 @@ impl Particle {
         Some(Self {
             map: self.map.fork()?,
             surfaces: self.surfaces.clone(),
+            landmarks: self.landmarks.clone(),
+            updated: None,
             path: self.path.clone(),
             log_weight: 0.0,
             ..*self
@@ -115,13 +125,23 @@ impl Particle {
             },
         };
         self.found.evidence = self.map.evidence(&shared.sight.asked_from(pose));
-        (self.found.pose, self.found.log_weight) = (pose, log_weight);
+        (self.found.pose, self.found.log_weight) = (pose, log_weight + self.look(shared.beside, pose));
+    }
+
+    /// `ln p(features | pose, landmarks)`; what they make of the landmarks is kept until the pose is taken for true.
+    fn look(&mut self, beside: Option<Beside>, pose: Pose) -> f64 {
+        let Some(beside) = beside else { return 0.0 };
+        let mut updated = self.landmarks.clone();
+        let log_likelihood = beside.take(&mut updated, pose);
+        self.updated = Some(updated);
+        log_likelihood
     }
 
     /// Takes what was found for true, and maps the scan from there.
     pub(crate) fn accept(&mut self, sight: &Sight, odometry: Pose) {
         self.log_weight += self.found.log_weight;
         self.log_total += self.found.log_weight;
+        self.landmarks = self.updated.take().unwrap_or_default();
         self.take(sight, odometry, self.found.pose);
     }
 

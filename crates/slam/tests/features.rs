@@ -1,14 +1,18 @@
 //! FastSLAM in an open field of points.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
+use grid::GridSpec;
+use mapper::{HitCount, HitCounter, Model};
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
-use sensor::{Camera, FeatureCamera, FeatureReading, FeatureScan, Matcher, OdometryNoise, Pose, Step};
+use sensor::{Camera, FeatureCamera, FeatureReading, FeatureScan, Laser, Matcher, OdometryNoise, Pose, Scan, Step};
 use slam::features::{
     Association, FastSlam, FeatureOptions, FeatureOutcome, FeatureProposal, Identity, LandmarkMap, Meant,
 };
+use slam::{Options, Slam, Weight};
 
 fn camera() -> FeatureCamera {
     let matcher = Matcher { detection_rate: 0.9, ..Matcher::default() };
@@ -247,4 +251,50 @@ fn what_is_out_of_bounds_is_refused_by_its_name() {
 fn no_scan_is_no_way() {
     let filter = FastSlam::new(camera(), OdometryNoise::STANDARD, FeatureOptions::default()).expect("valid");
     assert!(filter.finish().way.is_empty());
+}
+
+/// A grid that has seen no scan says nothing of a way, so that landmarks beside it are those from the odometry's poses, which are exact.
+#[test]
+fn landmarks_beside_a_grid_are_those_of_its_poses() {
+    let camera = camera();
+    let points = field(80, 5);
+    let drive = drive(&points, 120, &camera, 5);
+    let mut filter = beside(1, 0.0, OdometryNoise::NONE, &camera);
+    let mut alone = LandmarkMap::new(camera, Association::default()).expect("fine");
+    for (pose, features) in drive.way.iter().zip(&drive.scans) {
+        filter.take_with(&Scan { time_s: features.time_s, ..Scan::default() }, &features.readings, *pose);
+        alone.take(*pose, &features.readings);
+    }
+    let landmarks = filter.finish().landmarks;
+    assert!(landmarks.len() > 20);
+    assert_eq!(landmarks, alone.confirmed());
+}
+
+/// Where scans say nothing, landmarks beside a grid keep the way that FastSLAM 1.0 keeps, which draws from the odometry as well.
+#[test]
+fn landmarks_beside_a_grid_hold_the_way() {
+    let camera = camera();
+    let points = field(80, 6);
+    let drive = drive(&points, 250, &camera, 6);
+    let mut filter = beside(100, 0.0, OdometryNoise::STANDARD, &camera);
+    for (odometry, features) in drive.odometry.iter().zip(&drive.scans) {
+        filter.take_with(&Scan { time_s: features.time_s, ..Scan::default() }, &features.readings, *odometry);
+    }
+    let found: Vec<Pose> = filter.finish().trajectory.iter().map(|(_, pose)| *pose).collect();
+    let off = |poses: &[Pose]| {
+        let squares = poses.iter().zip(&drive.way).map(|(a, b)| (a.x_m - b.x_m).powi(2) + (a.y_m - b.y_m).powi(2));
+        (squares.sum::<f64>() / poses.len() as f64).sqrt()
+    };
+    let (found, odometry) = (off(&found), off(&drive.odometry));
+    assert!(found < 0.6 * odometry, "{found} {odometry}");
+}
+
+/// A filter with an empty grid and landmarks.
+fn beside(particles: usize, update_move_m: f64, noise: OdometryNoise, camera: &FeatureCamera) -> Slam {
+    let grid = GridSpec { cell_m: 0.5, origin_m: [-10.0; 2], width: 40, height: 40 };
+    let model = Model::new(grid, Arc::new(Laser::default()));
+    let options = Options { particles, seed: 1, weight: Weight::FIELD, update_move_m, ..Options::default() };
+    let mapper = Box::new(HitCounter::new(&model, HitCount::GMAPPING));
+    let filter = Slam::new(mapper, &model, Arc::new(noise), options).expect("fine");
+    filter.beside(*camera, Association::default()).expect("fine")
 }

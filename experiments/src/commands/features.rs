@@ -1,5 +1,6 @@
 //! `features`: landmarks, and with them where the robot went, from point features.
 
+mod drives;
 mod field;
 mod figure;
 mod filter;
@@ -79,5 +80,5 @@ pub fn run(options: &FeaturesOptions) -> Result<(), Failure> {
             1e3 * start.elapsed().as_secs_f64() / scans as f64,
         ));
     }
-    Ok(())
+    scores.hold(filters[0], &options.at_most)
 }

@@ -1,7 +1,6 @@
 //! `slam`: trajectory and map together, from scans and odometry.
 
 mod along;
-mod bound;
 mod document;
 mod figure;
 mod options;
@@ -16,6 +15,7 @@ pub use options::SlamOptions;
 use std::sync::Arc;
 use std::time::Instant;
 
+use slam::features::Association;
 use slam::{Slam, Update};
 
 use self::outputs::Told;
@@ -42,7 +42,7 @@ pub fn run(options: &SlamOptions) -> Result<(), Failure> {
     threads::limit(options.threads.count)?;
     let noise = options.noise();
     let entry = entries(std::slice::from_ref(&options.mapper), &Default::default())?[0];
-    let Source { place, scans, model, truth, report, .. } = Source::of(options)?;
+    let Source { place, scans, model, truth, camera, report } = Source::of(options)?;
     if let Some((report, sensor)) = &report {
         reading::tell_before_mapping(&place, report);
         reading::tell_idle(&options.given, &place, report, *sensor);
@@ -58,12 +58,15 @@ pub fn run(options: &SlamOptions) -> Result<(), Failure> {
     let refused = |error: slam::SlamError| Failure::BadInput(format!("--mapper {}: {error}", entry.name));
     let mut filter = Slam::new(entry.mapper(&model), &model, Arc::new(noise), options.filter_of(report.is_some()))
         .map_err(refused)?;
+    if let Some(camera) = camera {
+        filter = filter.beside(camera, Association::default()).map_err(Failure::internal)?;
+    }
     let progress = Count::scans(scans.len() as u64);
     let mapping = Instant::now();
     let mut away: Vec<Update> = Vec::new();
     let mut moments: Vec<Moment> = Vec::new();
     for taken in &scans {
-        if let Some(update) = filter.take(&taken.scan, taken.odometry) {
+        if let Some(update) = filter.take_with(&taken.scan, &taken.features, taken.odometry) {
             away.extend(Some(update).filter(|update| update.carried_away));
             let Update { time_s, effective, resampled, .. } = update;
             moments.push(Moment { time_s, effective, resampled, returned: false, particles: filter.particles() });
@@ -77,7 +80,7 @@ pub fn run(options: &SlamOptions) -> Result<(), Failure> {
     outputs::tell_carried_away(&place, &away);
     outputs::tell_passed_over(&place, &outcome.passed_over);
     outputs::tell_outside(&place, &outcome, &model.grid)?;
-    let scores = Scores::of(&outcome.trajectory, &scans, &references)?;
+    let scores = Scores::of(&outcome.trajectory, &scans, &moments, &references)?;
     let went: Vec<(f64, [f64; 2])> =
         outcome.updates.iter().map(|update| (update.time_s, update.pose.position_m())).collect();
     let (map, seen) = outputs::cropped(&scans, &outcome, &model);
@@ -87,6 +90,7 @@ pub fn run(options: &SlamOptions) -> Result<(), Failure> {
         place: &place,
         scans: &scans,
         model: &model,
+        camera,
         sensor: report.as_ref().map(|(_, sensor)| *sensor),
         outcome: &outcome,
         map: &map,

@@ -4,6 +4,7 @@ use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
 use sensor::Pose;
 use serde_json::{Value, json};
+use slam::Moments;
 
 /// Most particles of all moments together: a page is to stay small.
 const MOST: usize = 20_000;
@@ -103,16 +104,14 @@ struct Ellipse {
 }
 
 fn ellipse(particles: &[(Pose, f64)]) -> Ellipse {
-    let mean = |of: &dyn Fn([f64; 2]) -> f64| {
-        particles.iter().map(|(pose, weight)| weight * of(pose.position_m())).sum::<f64>()
+    let Some(Moments { mean, covariance }) = Moments::of(particles.iter().copied()) else {
+        return Ellipse { centre: [0.0; 2], axes: [0.0; 2], angle_rad: 0.0 };
     };
-    let centre = [mean(&|at| at[0]), mean(&|at| at[1])];
-    let second = |a: usize, b: usize| mean(&|at| (at[a] - centre[a]) * (at[b] - centre[b]));
-    let (xx, xy, yy) = (second(0, 0), second(0, 1), second(1, 1));
+    let [[xx, xy, _], [_, yy, _], _] = covariance;
     // The eigenvalues of a symmetric matrix of two rows.
     let (half, off) = (0.5 * (xx + yy), (0.5 * (xx - yy)).hypot(xy));
     let axes = [half + off, half - off].map(|value| (WITHIN_95 * value.max(0.0)).sqrt());
-    Ellipse { centre, axes, angle_rad: 0.5 * libm::atan2(2.0 * xy, xx - yy) }
+    Ellipse { centre: mean.position_m(), axes, angle_rad: 0.5 * libm::atan2(2.0 * xy, xx - yy) }
 }
 
 #[cfg(test)]

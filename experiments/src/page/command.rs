@@ -69,7 +69,11 @@ pub fn command_line(record: &Value) -> String {
 }
 
 /// Options without a value: where a record says that they were given.
-const FLAGS: [(&str, &str); 2] = [("/configuration/row_order_top", "--row-order top"), ("/pictures/svg", "--svg")];
+const FLAGS: [(&str, &str); 3] = [
+    ("/configuration/row_order_top", "--row-order top"),
+    ("/configuration/landmarks", "--landmarks"),
+    ("/pictures/svg", "--svg"),
+];
 
 fn room() -> Vec<Typed> {
     vec![

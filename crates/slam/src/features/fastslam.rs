@@ -1,16 +1,16 @@
 //! FastSLAM: particles that are ways, each with its own landmarks.
 
-use nalgebra::{Matrix3, Vector3};
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use sensor::{FeatureCamera, FeatureReading, FeatureScan, OdometryNoise, Pose, Step, wrapped_rad};
+use sensor::{FeatureCamera, FeatureReading, FeatureScan, OdometryNoise, Pose, Step};
 
 use super::known_poses::confirmed;
 use super::landmark::Landmark;
 use super::map::{Map, Meant};
 use super::options::{FeatureOptions, FeatureOptionsError, FeatureProposal};
 use super::proposal::{Belief, Measured, after};
+use crate::moments::Moments;
 use crate::random::{ALL, stream};
 use crate::resampling::{effective, low_variance, normalised};
 
@@ -132,12 +132,15 @@ impl FastSlam {
         let effective = effective(&weights);
         let resampled = self.particles.len() > 1 && effective < RESAMPLED_BELOW * self.particles.len() as f64;
         let heaviest = self.heaviest();
-        self.beliefs.push(PoseBelief {
+        let poses = self.particles.iter().zip(&weights).map(|(particle, weight)| (particle.pose, *weight));
+        let landmarks = self.particles[heaviest].map.len();
+        self.beliefs.extend(Moments::of(poses).map(|Moments { mean, covariance }| PoseBelief {
+            mean,
+            covariance,
             effective,
             resampled,
-            landmarks: self.particles[heaviest].map.len(),
-            ..belief(&self.particles, &weights)
-        });
+            landmarks,
+        }));
         if resampled {
             let share = stream(options.seed, update, ALL).random();
             let copy = |which: usize| {
@@ -208,31 +211,5 @@ impl Particle {
         self.log_weight += log_weight;
         self.log_total += log_weight;
         Did { parent: self.parent, pose: self.pose, meant: taken.landmarks }
-    }
-}
-
-/// Moments of the particles' poses.
-fn belief(particles: &[Particle], weights: &[f64]) -> PoseBelief {
-    let round = particles[0].pose;
-    let off = |particle: &Particle| {
-        let pose = particle.pose;
-        Vector3::new(pose.x_m - round.x_m, pose.y_m - round.y_m, wrapped_rad(pose.theta_rad - round.theta_rad))
-    };
-    let mean: Vector3<f64> = particles.iter().zip(weights).map(|(particle, weight)| *weight * off(particle)).sum();
-    let square = |(particle, weight): (&Particle, &f64)| {
-        let off = off(particle) - mean;
-        *weight * off * off.transpose()
-    };
-    let covariance: Matrix3<f64> = particles.iter().zip(weights).map(square).sum();
-    PoseBelief {
-        mean: Pose {
-            x_m: round.x_m + mean.x,
-            y_m: round.y_m + mean.y,
-            theta_rad: wrapped_rad(round.theta_rad + mean.z),
-        },
-        covariance: std::array::from_fn(|row| std::array::from_fn(|column| covariance[(row, column)])),
-        effective: 0.0,
-        resampled: false,
-        landmarks: 0,
     }
 }

@@ -41,7 +41,7 @@ impl LandmarkMap {
 }
 
 /// Those that are hardly doubted.
-pub(super) fn confirmed(mut landmarks: Vec<Landmark>) -> Vec<Landmark> {
+pub(crate) fn confirmed(mut landmarks: Vec<Landmark>) -> Vec<Landmark> {
     landmarks.retain(|landmark| landmark.log_odds > CONFIRMED);
     landmarks
 }

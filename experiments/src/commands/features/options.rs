@@ -7,9 +7,11 @@ use sensor::OdometryNoise;
 use slam::features::{Association, FeatureOptions, FeatureProposal, Identity};
 
 use super::filter::Filter;
+use super::scores::METRICS;
 use crate::figures::Paper;
 use crate::output::args::{FormatOption, Given, ThreadsOption, count, number, positive, share};
 use crate::output::folder;
+use crate::worlds::bound::{Bound, bound};
 use crate::worlds::kernels::StereoOptions;
 use crate::worlds::odometry::noise;
 use crate::worlds::reading::stem;
@@ -50,6 +52,12 @@ pub struct FeaturesOptions {
     /// A landmark is of a feature within this distance, m, where it is scored
     #[arg(long, value_name = "M", default_value_t = 0.5, allow_negative_numbers = true, value_parser = positive)]
     pub gate: f64,
+    /// Plan drives on the landmarks of a scene, with all between them taken for free, and on the grid that `visibility` makes of the same drive
+    #[arg(long)]
+    pub drives: bool,
+    /// Fails (exit code 3) where the mean of a metric of the first filter is larger, such as ate=0.2; may be given several times
+    #[arg(long, value_name = "METRIC=BOUND", allow_hyphen_values = true, value_parser = |text: &str| bound(text, &METRICS))]
+    pub at_most: Vec<Bound>,
     /// Layout of a family of scenes
     #[arg(long, value_name = "N")]
     pub layout: Option<u64>,

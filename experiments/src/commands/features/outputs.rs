@@ -1,7 +1,6 @@
 //! The files that `features` leaves behind, and what it prints.
 
 use serde_json::{Value, json};
-use slam::features::Landmark;
 
 use super::figure;
 use super::filter::Filter;
@@ -14,6 +13,7 @@ use crate::figures::Paper;
 use crate::output::folder::Staging;
 use crate::output::record::Record;
 use crate::output::table::{Table, aligned, optional, rounded};
+use crate::worlds::landmarks;
 
 /// All that there is to tell.
 pub(super) struct Told<'a> {
@@ -29,14 +29,14 @@ pub(super) struct Told<'a> {
 
 /// Every file that may come of it, beside the record.
 pub(super) fn names(paper: &Paper) -> Vec<String> {
-    let fixed = ["trajectory.txt", "landmarks.csv", "features.csv", "metrics.csv", "updates.csv"].map(str::to_owned);
+    let fixed = ["trajectory.txt", landmarks::FILE, "features.csv", "metrics.csv", "updates.csv"].map(str::to_owned);
     fixed.into_iter().chain(paper.files(&["features.png"])).collect()
 }
 
 /// Writes everything.
 pub(super) fn write(staging: &mut Staging, told: &Told) -> Result<(), Failure> {
     staging.write("trajectory.txt", |out| trajectory(told, out))?;
-    landmarks(told).save(staging, "landmarks.csv")?;
+    landmarks::table(&told.found.landmarks, &told.recording.camera).save(staging, landmarks::FILE)?;
     readings(told.recording).save(staging, "features.csv")?;
     told.scores.runs().save(staging, "metrics.csv")?;
     if !told.found.beliefs.is_empty() {
@@ -58,25 +58,6 @@ fn trajectory(told: &Told, out: &mut impl std::io::Write) -> std::io::Result<()>
         writeln!(out, "{:.6} {:.6} {:.6} 0 0 0 {sin:.9} {cos:.9}", scan.time_s, pose.x_m, pose.y_m)?;
     }
     Ok(())
-}
-
-fn landmarks(told: &Told) -> Table {
-    let camera = &told.recording.camera;
-    let place = |landmark: &Landmark| landmark.place(camera);
-    Table::of(
-        &told.found.landmarks,
-        &[
-            ("landmark", &|row| json!(row.number)),
-            ("feature", &|row| json!(row.identity)),
-            ("x_m", &|row| rounded(place(row).0[0])),
-            ("y_m", &|row| rounded(place(row).0[1])),
-            ("variance_x_m2", &|row| rounded(place(row).1[0][0])),
-            ("covariance_xy_m2", &|row| rounded(place(row).1[0][1])),
-            ("variance_y_m2", &|row| rounded(place(row).1[1][1])),
-            ("sightings", &|row| json!(row.sightings)),
-            ("existence", &|row| rounded(row.existence())),
-        ],
-    )
 }
 
 /// A reading, or a scan without any.
@@ -182,6 +163,7 @@ fn configuration(told: &Told) -> Value {
         "occluder_m": rules.occluder_m,
         "noise": options.noise(),
         "gate_m": options.gate,
+        "drives": options.drives,
         "layout": options.layout,
         "camera": {
             "focal_baseline": camera.stereo.focal_baseline,

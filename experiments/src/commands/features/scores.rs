@@ -9,12 +9,38 @@ use sensor::{FeatureCamera, Pose};
 use serde_json::json;
 use slam::features::{Landmark, Meant, PoseBelief};
 
+use super::drives::NAMES;
 use super::filter::Filter;
 use super::source::Recording;
 use super::track::Found;
 use crate::failure::Failure;
 use crate::output::table::{Table, optional, rounded};
+use crate::worlds::bound::{self, Bound};
 use crate::worlds::track::plain;
+
+/// Every metric there is.
+pub(super) const METRICS: [&str; 20] = [
+    "ate",
+    "ate_rotation",
+    "rpe_1m",
+    "rpe_1m_rotation",
+    "nees_median",
+    "within_95",
+    "landmarks",
+    "landmark_error",
+    "landmarks_within_95",
+    "false_landmarks",
+    "missed_landmarks",
+    "features_seen",
+    "wrong_associations",
+    "failed_matches_taken",
+    NAMES[0][0],
+    NAMES[0][1],
+    NAMES[0][2],
+    NAMES[1][0],
+    NAMES[1][1],
+    NAMES[1][2],
+];
 
 /// A step of the relative error, m.
 const STEP_M: f64 = 1.0;
@@ -79,7 +105,21 @@ impl Scores {
         self.put(filter_name, seed, "landmarks", "", found.landmarks.len() as f64);
         // As the way is brought onto the true one, so are the landmarks; a robot that stands is where it began.
         let motion = pairs.and_then(|pairs| alignment(&pairs).ok()).filter(|_| filter != Filter::KnownPoses);
-        self.landmarks(filter_name, seed, recording, (found, motion.unwrap_or_default()), gate_m).map_err(refused)?;
+        let motion = motion.unwrap_or_default();
+        self.landmarks(filter_name, seed, recording, (found, motion), gate_m).map_err(refused)?;
+        if let Some(yard) = &recording.yard {
+            let landmarks_m: Vec<[f64; 2]> =
+                found.landmarks.iter().map(|landmark| placed(landmark, &recording.camera, motion).at_m).collect();
+            let moved = found.way.iter().map(|pose| motion.moved(plain(*pose)));
+            let poses: Vec<Pose> =
+                moved.map(|trajectory::Pose { x_m, y_m, theta_rad }| Pose { x_m, y_m, theta_rad }).collect();
+            for (names, metrics) in NAMES.iter().zip(yard.metrics(&landmarks_m, &poses)?) {
+                for (name, value) in names.iter().zip(metrics).filter_map(|(name, metric)| Some((*name, metric.value?)))
+                {
+                    self.put(filter_name, seed, name, "", value);
+                }
+            }
+        }
         self.associations(filter_name, seed, recording, found);
         Ok(())
     }
@@ -168,6 +208,23 @@ impl Scores {
             let share = 1e3 * counted.failed_given as f64 / counted.failed as f64;
             self.put(filter, seed, "failed_matches_taken", "per 1,000", share);
         }
+    }
+
+    /// Whether all bounds on a filter hold.
+    ///
+    /// # Errors
+    /// A bound on a metric that there is not, or that does not hold.
+    pub(super) fn hold(&self, filter: Filter, bounds: &[Bound]) -> Result<(), Failure> {
+        let means = self.means(&[filter]);
+        let own = |metric: &str| means.iter().find(|mean| mean.filter == filter.name() && mean.metric == metric);
+        let needed = |metric: &str| match metric {
+            _ if NAMES.as_flattened().contains(&metric) => "--drives, and one that can be driven",
+            "ate" | "ate_rotation" | "rpe_1m" | "rpe_1m_rotation" | "nees_median" | "within_95" => {
+                "true poses, and a filter that finds the way"
+            }
+            _ => "a scene, or a table that says which feature each reading is of",
+        };
+        bound::hold(bounds, |metric| own(metric).map(|mean| (mean.mean, mean.unit)), needed)
     }
 
     /// Every number of every run.

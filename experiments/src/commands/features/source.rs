@@ -5,10 +5,11 @@ use logs::table::features::FeatureRow;
 use scene::{Scene, World};
 use sensor::{FeatureCamera, FeatureScan, OdometryNoise, Stereo};
 
+use super::drives::Yard;
 use super::filter::Filter;
 use super::options::{Asked, FeaturesOptions};
 use crate::failure::Failure;
-use crate::worlds::scenes;
+use crate::worlds::{landmarks, scenes};
 
 /// Standard deviation of a bearing, rad, and probability that a feature is found, where nothing is said of a table's camera.
 const BEARING_SIGMA_RAD: f64 = 0.005;
@@ -33,6 +34,8 @@ pub(super) struct Recording {
     pub(super) known: Vec<Vec<Option<Known>>>,
     /// Where the features are, m, of a scene.
     pub(super) features_m: Option<Vec<[f64; 2]>>,
+    /// Where drives are planned, of a scene, if they are asked for.
+    pub(super) yard: Option<Yard>,
     /// What is drawn below, of a scene.
     pub(super) ground: Option<Raster<Option<bool>>>,
 }
@@ -53,14 +56,8 @@ impl Recording {
     }
 
     fn of_scene(options: &FeaturesOptions, scene: &Scene, seed: u64) -> Result<Self, Failure> {
-        let features = scene::features(scene);
-        if features.is_empty() {
-            return Err(Failure::BadInput(format!(
-                "{}: the scene has no vertical edge: no outer corner of a box or polygon and no disc of at most 0.15 m; add some",
-                scene.name
-            )));
-        }
-        let camera = FeatureCamera::of(&scene.camera, &scene.matcher);
+        let features = landmarks::features(scene)?;
+        let camera = landmarks::camera(scene);
         let camera = FeatureCamera {
             bearing_sigma_rad: options.bearing_sigma.unwrap_or(camera.bearing_sigma_rad),
             most_depth_m: options.depth.unwrap_or(camera.most_depth_m),
@@ -74,6 +71,7 @@ impl Recording {
             scans: Vec::new(),
             known: Vec::new(),
             features_m: Some(features.iter().map(|feature| feature.at_m).collect()),
+            yard: options.drives.then(|| Yard::of(scene, seed)).transpose()?,
             ground: Some(scene::truth(scene)),
         };
         for mut observed in scene::observe(scene, &world, &drive, &features, &camera, seed) {
@@ -92,6 +90,11 @@ impl Recording {
     }
 
     fn of_table(options: &FeaturesOptions, rows: Vec<FeatureRow>) -> Result<Self, Failure> {
+        if options.drives {
+            return Err(Failure::BadInput(
+                "--drives: a table does not say what stands in the world, into which drives may lead; give a scene or --posts".to_owned(),
+            ));
+        }
         let given = &options.stereo;
         let stereo = Stereo {
             focal_baseline: given.focal_baseline,
@@ -119,6 +122,7 @@ impl Recording {
             known: rows.iter().map(known).collect(),
             scans: rows.into_iter().map(|row| row.scan).collect(),
             features_m: None,
+            yard: None,
             ground: None,
         })
     }

@@ -6,13 +6,14 @@ use clap::Args;
 use sensor::OdometryNoise;
 use slam::Options;
 
-use super::bound::{Bound, bound};
+use super::scores::METRICS;
 use crate::figures::Paper;
 use crate::output::args::{
     FormatOption, Given, PriorOptions, ThreadsOption, count, positive, probability, share, trimmed,
 };
 use crate::output::folder;
 use crate::output::recording::RecordingOption;
+use crate::worlds::bound::{Bound, bound};
 use crate::worlds::kernels::{LaserOptions, StereoOptions};
 use crate::worlds::odometry::noise;
 use crate::worlds::reading::{DAMAGED_SHARE, FanArgs, stem};
@@ -39,6 +40,9 @@ pub struct SlamOptions {
     /// What the readings of a scan are worth of as many independent ones, where particles are weighed [default: as fitted for --weight]
     #[arg(long, value_name = "P", allow_negative_numbers = true, value_parser = share)]
     pub power: Option<f64>,
+    /// Weigh particles also by the features that the camera of a scene finds: each has landmarks beside its map (guide features)
+    #[arg(long)]
+    pub landmarks: bool,
     /// A scan is matched and mapped once the sensor has moved so far, m, or turned by --update-turn
     #[arg(long, value_name = "M", default_value_t = 0.2, allow_negative_numbers = true, value_parser = positive)]
     pub update_move: f64,
@@ -55,7 +59,7 @@ pub struct SlamOptions {
     #[arg(long, value_name = "FILE")]
     pub relations: Option<PathBuf>,
     /// Fails (exit code 3) where the mean error of the way that was found is larger: a metric of metrics.csv and its bound in m or degrees, such as ate=0.05; may be given several times
-    #[arg(long, value_name = "METRIC=BOUND", allow_hyphen_values = true, value_parser = bound)]
+    #[arg(long, value_name = "METRIC=BOUND", allow_hyphen_values = true, value_parser = |text: &str| bound(text, &METRICS))]
     pub at_most: Vec<Bound>,
     /// Layout of a family of scenes
     #[arg(long, value_name = "N")]

@@ -6,7 +6,7 @@ use grid::{GridSpec, Raster};
 use logs::Sensor;
 use mapper::Model;
 use mapper::catalogue::Entry;
-use sensor::{Pose, Scan};
+use sensor::{FeatureCamera, Pose, Scan};
 use serde_json::{Value, json};
 use slam::{Outcome, Update};
 
@@ -26,6 +26,7 @@ use crate::output::record::Record;
 use crate::output::table::{Table, optional, rounded};
 use crate::page::cloud::Moment;
 use crate::worlds::kernels;
+use crate::worlds::landmarks;
 use crate::worlds::seen::{Reach, Seen};
 
 /// Round what was seen, cells.
@@ -38,6 +39,8 @@ pub(super) struct Told<'a> {
     pub(super) place: &'a str,
     pub(super) scans: &'a [Taken],
     pub(super) model: &'a Model,
+    /// What found features, where they were asked for.
+    pub(super) camera: Option<FeatureCamera>,
     /// That of a log.
     pub(super) sensor: Option<Sensor>,
     pub(super) outcome: &'a Outcome,
@@ -55,7 +58,7 @@ pub(super) struct Told<'a> {
 
 /// Every file that may come of it, beside the record.
 pub(super) fn names(paper: &Paper) -> Vec<String> {
-    let fixed = ["trajectory.txt", "metrics.csv", "updates.csv", "report.html"].map(str::to_owned);
+    let fixed = ["trajectory.txt", landmarks::FILE, "metrics.csv", "updates.csv", "report.html"].map(str::to_owned);
     fixed.into_iter().chain(output::map::names("map")).chain(paper.files(&["along.png", "trajectory.png"])).collect()
 }
 
@@ -64,6 +67,9 @@ pub(super) fn write(staging: &mut Staging, told: &Told) -> Result<(), Failure> {
     staging.write("trajectory.txt", |out| trajectory(told, out))?;
     told.scores.table().save(staging, "metrics.csv")?;
     updates(&told.outcome.updates).save(staging, "updates.csv")?;
+    if let Some(camera) = &told.camera {
+        landmarks::table(&told.outcome.landmarks, camera).save(staging, landmarks::FILE)?;
+    }
     let (map, seen) = (told.map, told.seen);
     output::map::write(staging, "map", map, seen)?;
     let places = |poses: &mut dyn Iterator<Item = Pose>| poses.map(|pose| pose.position_m()).collect::<Vec<_>>();
@@ -172,6 +178,8 @@ fn configuration(told: &Told) -> Value {
         "weight": weight,
         "power": filter.weight.power(),
         "given_power": options.power,
+        "landmarks": options.landmarks,
+        "least_sigmas": options.filter_of(told.sensor.is_some()).least_sigmas,
         "update_move_m": filter.update_move_m,
         "update_turn_deg": options.update_turn,
         "noise": noise,

@@ -3,12 +3,13 @@
 use logs::{Log, LogError, Report, Sensor};
 use mapper::Model;
 use score::trajectory::Stamped;
-use sensor::{Pose, Scan};
+use sensor::{FeatureCamera, FeatureReading, Pose, Scan};
 
 use super::options::SlamOptions;
 use crate::failure::Failure;
 use crate::worlds::condition::AS_BELIEVED;
 use crate::worlds::kernels;
+use crate::worlds::landmarks;
 use crate::worlds::scenes;
 use crate::worlds::site::{Assumptions, Site, camera_alone};
 use crate::worlds::track::stamped;
@@ -29,6 +30,8 @@ const DRIFT_M: f64 = 5.0;
 pub(super) struct Taken {
     pub(super) scan: Scan,
     pub(super) odometry: Pose,
+    /// The features that the camera read there, where they are asked for.
+    pub(super) features: Vec<FeatureReading>,
     /// Time by the log's own clock, s.
     pub(super) clock_s: f64,
 }
@@ -41,6 +44,8 @@ pub(super) struct Source {
     pub(super) model: Model,
     /// The true way, of a scene.
     pub(super) truth: Option<Vec<Stamped>>,
+    /// What finds features, where they are asked for.
+    pub(super) camera: Option<FeatureCamera>,
     /// What is in the log.
     pub(super) report: Option<(Report, Sensor)>,
 }
@@ -62,23 +67,37 @@ impl Source {
         camera_alone(&scene, &place, "`slam`")?;
         let Site { ground, setup } = Site::of(scene, &AS_BELIEVED, &Assumptions::of(&options.prior))?;
         let simulated = scene::simulate(&ground.scene, &ground.world, &ground.drive, options.seed).scans;
+        let (features, camera) = match options.landmarks {
+            true => (landmarks::features(&ground.scene)?, Some(landmarks::camera(&ground.scene))),
+            false => (Vec::new(), None),
+        };
+        let observe = |camera: &FeatureCamera| {
+            scene::observe(&ground.scene, &ground.world, &ground.drive, &features, camera, options.seed)
+        };
+        let mut observed = camera.as_ref().map(observe).unwrap_or_default().into_iter();
         let mut truth = Vec::new();
         let mut scans: Vec<Taken> = Vec::new();
         for (simulated, timed) in simulated.into_iter().zip(&ground.drive.poses) {
             let clock_s = simulated.scan.time_s;
+            let features = observed.next().map(|observed| observed.scan.readings).unwrap_or_default();
             let rises = scans.last().is_none_or(|last| clock_s > last.clock_s);
             if let Some(odometry) = simulated.odometry.filter(|_| rises) {
                 truth.push(stamped(clock_s, timed.pose));
-                scans.push(Taken { scan: simulated.scan, odometry, clock_s });
+                scans.push(Taken { scan: simulated.scan, odometry, features, clock_s });
             }
         }
         if scans.is_empty() {
             return Err(Failure::BadInput(format!("{place}: the drive has no scan; give the robot a route")));
         }
-        Ok(Self { place, scans, model: setup, truth: Some(truth), report: None })
+        Ok(Self { place, scans, model: setup, truth: Some(truth), camera, report: None })
     }
 
     fn of_log(options: &SlamOptions, place: String) -> Result<Self, Failure> {
+        if options.landmarks {
+            return Err(Failure::BadInput(format!(
+                "--landmarks: {place} is a log, whose scans have no features; give a scene, or a table of features to `features`"
+            )));
+        }
         let refused = |error: LogError| Failure::BadInput(error.to_string());
         let mut log = Log::open(&options.source, &options.reading()).map_err(refused)?;
         let kind = log.sensor();
@@ -98,7 +117,7 @@ impl Source {
                 continue;
             }
             let scan = Scan { sensor: 0, ..event.scan };
-            scans.push(Taken { clock_s: scan.time_s, scan, odometry });
+            scans.push(Taken { clock_s: scan.time_s, scan, odometry, features: Vec::new() });
         }
         let report = log.report().clone();
         kernels::one_kind(&place, &report, "`slam`")?;
@@ -147,6 +166,6 @@ impl Source {
             reconciliation: options.prior.reconciliation(),
             ..Model::new(grid, sensor)
         };
-        Ok(Self { place, scans, model, truth: None, report: Some((report, kind)) })
+        Ok(Self { place, scans, model, truth: None, camera: None, report: Some((report, kind)) })
     }
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use scene::Set;
 use sensor::OdometryNoise;
+use slam::features::FeatureOptions;
 use slam::{Options, Weight};
 
 use crate::output::args::{FormatOption, ThreadsOption, count, share, trimmed};
@@ -28,7 +29,7 @@ pub struct SlamWorldsOptions {
     pub sensors: Vec<Sensing>,
     /// What particles are weighed by, comma-separated
     #[arg(long, value_enum, value_name = "A,B", value_delimiter = ',', default_value = "field,evidence")]
-    pub weights: Vec<Weighing>,
+    pub weights: Vec<By>,
     /// What the readings of a scan are worth of as many independent ones, comma-separated [default: as fitted for each of --weights]
     #[arg(long, value_name = "P,Q", value_delimiter = ',', allow_negative_numbers = true, value_parser = share)]
     pub powers: Vec<f64>,
@@ -78,11 +79,57 @@ impl Sensing {
     }
 }
 
-/// A weight of particles with its power.
+/// What particles are weighed by: a grid, landmarks, or both.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum By {
+    /// the likelihood field of the surfaces, as GMapping has it
+    Field,
+    /// what the particle's map says of the readings
+    Evidence,
+    /// the field, and landmarks of the features that the camera finds
+    #[value(name = "field+landmarks")]
+    FieldAndLandmarks,
+    /// the evidence, and these landmarks
+    #[value(name = "evidence+landmarks")]
+    EvidenceAndLandmarks,
+    /// these landmarks alone: FastSLAM 2.0, and a map from the poses that it finds
+    Landmarks,
+}
+
+/// What particles are weighed by, in full.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Weighed {
-    pub(super) name: &'static str,
-    pub(super) weight: Weight,
+    pub(super) by: By,
+    /// What the grid's part is; none of landmarks alone.
+    pub(super) weight: Option<Weight>,
+}
+
+impl By {
+    const fn grid(self) -> Option<Weighing> {
+        match self {
+            Self::Field | Self::FieldAndLandmarks => Some(Weighing::Field),
+            Self::Evidence | Self::EvidenceAndLandmarks => Some(Weighing::Evidence),
+            Self::Landmarks => None,
+        }
+    }
+
+    /// Its name in the table.
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Self::Field => "field",
+            Self::Evidence => "evidence",
+            Self::FieldAndLandmarks => "field+landmarks",
+            Self::EvidenceAndLandmarks => "evidence+landmarks",
+            Self::Landmarks => "landmarks",
+        }
+    }
+}
+
+impl Weighed {
+    /// Whether there are landmarks beside a grid.
+    pub(super) fn with_landmarks(&self) -> bool {
+        matches!(self.by, By::FieldAndLandmarks | By::EvidenceAndLandmarks)
+    }
 }
 
 impl SlamWorldsOptions {
@@ -91,13 +138,19 @@ impl SlamWorldsOptions {
 
     /// Every weight with every power.
     pub(super) fn weighed(&self) -> Vec<Weighed> {
-        let of = |weighing: &Weighing| -> Vec<Weighed> {
+        let of = |by: &By| -> Vec<Weighed> {
+            let by = *by;
+            let Some(weighing) = by.grid() else { return vec![Weighed { by, weight: None }] };
             let usual = weighing.weight(None).power();
             let powers = if self.powers.is_empty() { vec![usual] } else { self.powers.clone() };
-            let weighed = |power| Weighed { name: weighing.name(), weight: weighing.weight(Some(power)) };
-            powers.into_iter().map(weighed).collect()
+            powers.into_iter().map(|power| Weighed { by, weight: Some(weighing.weight(Some(power))) }).collect()
         };
         self.weights.iter().flat_map(of).collect()
+    }
+
+    /// How landmarks alone are followed in a world.
+    pub(super) fn features(&self, seed: u64) -> FeatureOptions {
+        FeatureOptions { particles: self.particles as usize, seed, ..FeatureOptions::default() }
     }
 
     /// How the filter works in a world, by one weight.

@@ -2,7 +2,9 @@
 
 use score::Comparison;
 use serde_json::json;
+use slam::Weight;
 
+use super::options::Weighed;
 use super::world::Outcome;
 use crate::output::table::{Table, aligned, optional, rounded};
 
@@ -14,8 +16,8 @@ pub(super) fn table(outcomes: &[Outcome]) -> Table {
             ("family", &|row| json!(row.family)),
             ("seed", &|row| json!(row.seed)),
             ("sensor", &|row| json!(row.sensor.name())),
-            ("weight", &|row| json!(row.weighed.name)),
-            ("power", &|row| rounded(row.weighed.weight.power())),
+            ("weight", &|row| json!(row.weighed.by.name())),
+            ("power", &|row| optional(row.weighed.weight.map(Weight::power))),
             ("ate_m", &|row| rounded(row.ate_m)),
             ("odometry_ate_m", &|row| rounded(row.odometry_ate_m)),
             ("log_loss", &|row| rounded(row.log_loss)),
@@ -44,7 +46,7 @@ pub(super) fn text(outcomes: &[Outcome], particles: u32) -> String {
         vec![
             group[0].family.clone(),
             group[0].sensor.name().to_owned(),
-            format!("{} {}", group[0].weighed.name, group[0].weighed.weight.power()),
+            name(&group[0].weighed),
             group.len().to_string(),
             of(|outcome| outcome.ate_m),
             of(|outcome| outcome.odometry_ate_m),
@@ -60,6 +62,12 @@ pub(super) fn text(outcomes: &[Outcome], particles: u32) -> String {
          found, over that from the true ones; NEES is the median, 2.4 of covariances that are right\n\n{}",
         aligned(&heads, &rows)
     )
+}
+
+/// What particles are weighed by, with its power.
+fn name(weighed: &Weighed) -> String {
+    let power = weighed.weight.map(|weight| format!(" {}", weight.power()));
+    format!("{}{}", weighed.by.name(), power.unwrap_or_default())
 }
 
 /// A mean with its interval, which a single value does not have.

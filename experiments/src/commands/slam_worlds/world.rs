@@ -7,16 +7,18 @@ use mapper::catalogue::Entry;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
 use scene::{Family, Odometry, SimulatedScan};
-use score::trajectory::{Believed, Pair, absolute, aligned, nees};
+use score::trajectory::{Pair, absolute, aligned};
 use score::{Region, Scorer, Sightings};
-use sensor::{Laser, Pose, Scan, wrapped_rad};
-use slam::Slam;
+use sensor::{FeatureCamera, FeatureScan, Laser, Pose, Scan};
+use slam::features::{FastSlam, PoseBelief};
+use slam::{Moments, Slam, Weight};
 
 use super::options::{Sensing, SlamWorldsOptions, Weighed};
 use crate::failure::Failure;
 use crate::worlds::condition::AS_BELIEVED;
+use crate::worlds::landmarks;
 use crate::worlds::site::{Assumptions, Site, WorldId};
-use crate::worlds::track::plain;
+use crate::worlds::track::{consistency, plain};
 use crate::worlds::witness::Witness;
 
 /// Random stream of a laser's readings, far from those of the camera.
@@ -45,6 +47,16 @@ pub(super) struct Outcome {
     pub(super) nees: Option<f64>,
 }
 
+/// A way that was found.
+struct Way {
+    /// The pose at every scan.
+    poses: Vec<Pose>,
+    /// `N_eff` of every update, of which there is one at least, and how often particles were drawn anew.
+    effective: Vec<f64>,
+    resampled: usize,
+    nees: Option<f64>,
+}
+
 /// A world with its readings, before any filter.
 pub(super) struct Drive {
     family: String,
@@ -53,6 +65,9 @@ pub(super) struct Drive {
     site: Site,
     scans: Vec<SimulatedScan>,
     odometry: Vec<Pose>,
+    /// What the camera reads of features at every scan.
+    camera: FeatureCamera,
+    features: Vec<FeatureScan>,
     /// What its rays can see.
     seen: Sightings,
 }
@@ -71,6 +86,11 @@ impl Drive {
         }
         let driven: Vec<Pose> = site.ground.drive.poses.iter().map(|timed| timed.pose).collect();
         let odometry = Odometry { noise: SlamWorldsOptions::NOISE, ..Odometry::default() }.measure(&driven, seed);
+        let found = scene::features(&site.ground.scene);
+        let camera = landmarks::camera(&site.ground.scene);
+        let observed =
+            scene::observe(&site.ground.scene, &site.ground.world, &site.ground.drive, &found, &camera, seed);
+        let features = observed.into_iter().map(|observed| observed.scan).collect();
         let mut scans = scene::simulate(&site.ground.scene, &site.ground.world, &site.ground.drive, seed).scans;
         if sensing == Sensing::Laser {
             let laser = Laser::default();
@@ -79,7 +99,8 @@ impl Drive {
         }
         let mut witness = Witness::new(&site.ground);
         scans.iter().enumerate().try_for_each(|(number, scan)| witness.look(&site.ground, number, scan))?;
-        Ok(Self { family: family.name.clone(), seed, sensing, site, scans, odometry, seen: witness.seen })
+        let (family, seen) = (family.name.clone(), witness.seen);
+        Ok(Self { family, seed, sensing, site, scans, odometry, camera, features, seen })
     }
 
     /// How it goes by every weight; what does not depend on it is found once.
@@ -92,43 +113,76 @@ impl Drive {
         let (odometry_ate_m, _) = self.aligned(&self.odometry)?;
         let driven: Vec<Pose> = self.site.ground.drive.poses.iter().map(|timed| timed.pose).collect();
         let true_log_loss = self.log_loss(entry, &driven)?;
-        weighed.iter().map(|weighed| self.slam(entry, *weighed, options, (odometry_ate_m, true_log_loss))).collect()
+        let outcome = |weighed: &Weighed| {
+            let way = match weighed.weight {
+                Some(weight) => self.by_grid(entry, weight, weighed.with_landmarks(), options)?,
+                None => self.by_landmarks(options)?,
+            };
+            let (ate_m, aligned) = self.aligned(&way.poses)?;
+            Ok(Outcome {
+                family: self.family.clone(),
+                seed: self.seed,
+                sensor: self.sensing,
+                weighed: *weighed,
+                ate_m,
+                odometry_ate_m,
+                log_loss: self.log_loss(entry, &aligned)?,
+                true_log_loss,
+                effective: way.effective.iter().sum::<f64>() / way.effective.len() as f64,
+                resampled: way.resampled,
+                nees: way.nees,
+            })
+        };
+        weighed.iter().map(outcome).collect()
     }
 
-    /// Finds the way and the map by one weight.
-    fn slam(
+    /// Finds the way with a grid to every particle, and with landmarks beside it where they are asked for.
+    fn by_grid(
         &self,
         entry: &Entry,
-        weighed: Weighed,
+        weight: Weight,
+        with_landmarks: bool,
         options: &SlamWorldsOptions,
-        (odometry_ate_m, true_log_loss): (f64, f64),
-    ) -> Result<Outcome, Failure> {
+    ) -> Result<Way, Failure> {
         let Site { ground, setup } = &self.site;
-        let options = options.filter(self.seed, weighed.weight);
         let noise = Arc::new(SlamWorldsOptions::NOISE);
-        let mut filter = Slam::new(entry.mapper(setup), setup, noise, options)
+        let mut filter = Slam::new(entry.mapper(setup), setup, noise, options.filter(self.seed, weight))
             .map_err(|error| Failure::BadInput(format!("--mapper {}: {error}", entry.name)))?;
-        for (scan, odometry) in self.scans.iter().zip(&self.odometry) {
-            filter.take(&scan.scan, *odometry);
+        if with_landmarks {
+            let rules = options.features(self.seed).association;
+            filter = filter.beside(self.camera, rules).map_err(Failure::internal)?;
+        }
+        for ((scan, features), odometry) in self.scans.iter().zip(&self.features).zip(&self.odometry) {
+            filter.take_with(&scan.scan, &features.readings, *odometry);
         }
         let last = ground.drive.poses.last().map(|timed| timed.pose);
-        let nees = last.and_then(|last| consistency(&filter.particles(), last));
+        let nees = last.zip(Moments::of(filter.particles())).and_then(|(last, moments)| consistency(&moments, last));
         let outcome = filter.finish();
-        let found: Vec<Pose> = outcome.trajectory.iter().map(|(_, pose)| *pose).collect();
-        let (ate_m, aligned) = self.aligned(&found)?;
-        let updates = &outcome.updates;
-        Ok(Outcome {
-            family: self.family.clone(),
-            seed: self.seed,
-            sensor: self.sensing,
-            weighed,
-            ate_m,
-            odometry_ate_m,
-            log_loss: self.log_loss(entry, &aligned)?,
-            true_log_loss,
-            effective: updates.iter().map(|update| update.effective).sum::<f64>() / updates.len() as f64,
-            resampled: updates.iter().filter(|update| update.resampled).count(),
+        Ok(Way {
+            poses: outcome.trajectory.iter().map(|(_, pose)| *pose).collect(),
+            effective: outcome.updates.iter().map(|update| update.effective).collect(),
+            resampled: outcome.updates.iter().filter(|update| update.resampled).count(),
             nees,
+        })
+    }
+
+    /// Finds the way by landmarks alone.
+    fn by_landmarks(&self, options: &SlamWorldsOptions) -> Result<Way, Failure> {
+        let mut filter = FastSlam::new(self.camera, SlamWorldsOptions::NOISE, options.features(self.seed))
+            .map_err(Failure::internal)?;
+        for (features, odometry) in self.features.iter().zip(&self.odometry) {
+            filter.take(features, *odometry);
+        }
+        let outcome = filter.finish();
+        let last = outcome.beliefs.last().zip(self.site.ground.drive.poses.last());
+        Ok(Way {
+            poses: outcome.way,
+            effective: outcome.beliefs.iter().map(|belief| belief.effective).collect(),
+            resampled: outcome.beliefs.iter().filter(|belief| belief.resampled).count(),
+            nees: last.and_then(|(belief, last)| {
+                let &PoseBelief { mean, covariance, .. } = belief;
+                consistency(&Moments { mean, covariance }, last.pose)
+            }),
         })
     }
 
@@ -174,41 +228,4 @@ fn look(site: &Site, laser: &Laser, (seed, number): (u64, usize), scan: &mut Sim
         |bearing: &f64| site.ground.world.cast(pose.position_m(), pose.direction(*bearing)).map(|hit| hit.range_m);
     scan.true_ranges_m = scan.scan.bearings_rad.iter().map(cast).collect();
     scan.scan.readings = scan.true_ranges_m.iter().map(|range_m| Some(laser.sample(*range_m, &mut random))).collect();
-}
-
-/// The squared error of the particles' mean in units of their covariance; none where that is not positive definite.
-fn consistency(particles: &[(Pose, f64)], truth: Pose) -> Option<f64> {
-    let first = particles.first()?.0;
-    let off = |pose: &Pose| [pose.x_m - first.x_m, pose.y_m - first.y_m, wrapped_rad(pose.theta_rad - first.theta_rad)];
-    let mean =
-        |of: &dyn Fn([f64; 3]) -> f64| particles.iter().map(|(pose, weight)| weight * of(off(pose))).sum::<f64>();
-    let middle: [f64; 3] = std::array::from_fn(|k| mean(&|off| off[k]));
-    let covariance =
-        std::array::from_fn(|r| std::array::from_fn(|c| mean(&|off| (off[r] - middle[r]) * (off[c] - middle[c]))));
-    let estimate = score::trajectory::Pose {
-        x_m: first.x_m + middle[0],
-        y_m: first.y_m + middle[1],
-        theta_rad: first.theta_rad + middle[2],
-    };
-    let reference = plain(truth);
-    nees(&[Believed { estimate, covariance, reference }]).ok().map(|nees| nees.mean)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn consistency_is_the_squared_error_in_standard_deviations() {
-        // Corners of a box: standard deviations 0.1 m, 0.2 m and 0.05 rad, none correlated.
-        let corner = |k: usize| {
-            let side = |bit: usize| if k >> bit & 1 == 1 { 1.0 } else { -1.0 };
-            (Pose { x_m: 2.0 + 0.1 * side(0), y_m: 1.0 + 0.2 * side(1), theta_rad: 3.13 + 0.05 * side(2) }, 0.125)
-        };
-        let particles: Vec<(Pose, f64)> = (0..8).map(corner).collect();
-        // 2, 1 and 1 of them, the heading by the shorter turn.
-        let truth = Pose { x_m: 2.2, y_m: 0.8, theta_rad: 3.18 - std::f64::consts::TAU };
-        assert!(consistency(&particles, truth).is_some_and(|nees| (nees - 6.0).abs() < 1e-9));
-        assert_eq!(consistency(&particles[..1], truth), None);
-    }
 }
