@@ -99,7 +99,7 @@ impl<'a> Fields<'a> {
     pub(super) fn f32_list(&mut self) -> Result<Vec<f64>, Short> {
         let count = self.u32()? as usize;
         let is_big = matches!(self.form, Form::Cdr { is_big: true, .. });
-        let bytes = self.bytes(count.checked_mul(4).unwrap_or(usize::MAX), 4)?;
+        let bytes = self.bytes(count.saturating_mul(4), 4)?;
         let numbers = bytes.as_chunks::<4>().0.iter();
         Ok(numbers
             .map(|four| f64::from(if is_big { f32::from_be_bytes(*four) } else { f32::from_le_bytes(*four) }))
@@ -110,7 +110,7 @@ impl<'a> Fields<'a> {
     pub(super) fn pass_f64_list(&mut self) -> Result<(), Short> {
         match self.u32()? as usize {
             0 => Ok(()), // nothing pads an empty list
-            count => self.bytes(count.checked_mul(8).unwrap_or(usize::MAX), 8).map(|_| ()),
+            count => self.bytes(count.saturating_mul(8), 8).map(|_| ()),
         }
     }
 

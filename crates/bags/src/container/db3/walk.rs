@@ -42,10 +42,10 @@ impl Walk {
     /// The next row, or a page that cannot be read, with all below it.
     pub(super) fn next(&mut self, pages: &mut Pages) -> Option<Result<Cell, Fault>> {
         loop {
-            if let Some(page) = self.next.take() {
-                if let Err(reason) = self.enter(page, pages) {
-                    return Some(Err((pages.offset(page), reason)));
-                }
+            if let Some(page) = self.next.take()
+                && let Err(reason) = self.enter(page, pages)
+            {
+                return Some(Err((pages.offset(page), reason)));
             }
             let (number, page, at) = self.path.last_mut()?;
             let (start, offset) = (start_of(*number), pages.offset(*number));
