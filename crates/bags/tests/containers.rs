@@ -114,7 +114,7 @@ fn a_damaged_chunk_is_named_with_offset_and_checksum_and_takes_nothing_else() {
 
 #[test]
 fn lengths_are_claims_and_nothing_is_allocated_for_them() {
-    let huge = [&mcap::MAGIC[..], &[6], &(u64::MAX / 2).to_le_bytes(), &[0; 40]].concat();
+    let huge = [mcap::MAGIC, &[6], &(u64::MAX / 2).to_le_bytes(), &[0; 40]].concat();
     let (records, damages) = read(huge);
     assert!(
         records.is_empty() && damages[0].to_string().contains("claims 9223372036854775807 bytes"),
@@ -126,7 +126,7 @@ fn lengths_are_claims_and_nothing_is_allocated_for_them() {
         let packed = Packing::Lz4.pack(&[0; 100]);
         let length = (packed.len() as u64).to_le_bytes();
         let chunk = [&[0; 16][..], &claim.to_le_bytes(), &[0; 4], b"\x03\0\0\0lz4", &length, &packed].concat();
-        let (_, damages) = read([&mcap::MAGIC[..], &mcap::record(6, &chunk), &mcap::record(15, &[0; 4])].concat());
+        let (_, damages) = read([mcap::MAGIC, &mcap::record(6, &chunk), &mcap::record(15, &[0; 4])].concat());
         assert!(damages.len() == 1 && damages[0].to_string().contains(&claim.to_string()), "{damages:?}");
     }
     let long = [&b"#ROSBAG V2.0\n"[..], &u32::MAX.to_le_bytes(), &[0; 20]].concat();

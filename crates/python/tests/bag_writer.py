@@ -71,6 +71,11 @@ class Types:
 
         self.ros = ros
         self.store = get_typestore(Stores.ROS1_NOETIC if ros == 1 else Stores.ROS2_HUMBLE)
+        if ros == 1:
+            from rosbags.typesys import get_types_from_msg
+
+            text = "geometry_msgs/TransformStamped[] transforms"
+            self.store.register(get_types_from_msg(text, "tf2_msgs/msg/TFMessage"))
         self.types = self.store.types
 
     def __getattr__(self, name):

@@ -126,11 +126,12 @@ impl Gathered {
         seen.messages += 1;
         let [first, last] = seen.recorded_ns;
         seen.recorded_ns = [first.min(record.time_ns), last.max(record.time_ns)];
-        if is_read(&topic.kind) && topic.encoding != bags::Encoding::Other {
-            if let Err(reason) = self.decode(record) {
-                let seen = self.topics.get_mut(&topic.name).into_iter();
-                seen.for_each(|seen| seen.undecodable.get_or_insert_with(|| (reason.clone(), 0)).1 += 1);
-            }
+        if is_read(&topic.kind)
+            && topic.encoding != bags::Encoding::Other
+            && let Err(reason) = self.decode(record)
+            && let Some(seen) = self.topics.get_mut(&topic.name)
+        {
+            seen.undecodable.get_or_insert((reason, 0)).1 += 1;
         }
         if self.count > MOST_POSES {
             return Err(format!(

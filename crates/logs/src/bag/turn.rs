@@ -22,7 +22,7 @@ impl Motion {
         if at_m.iter().any(|at| !at.is_finite() || at.abs() > crate::bounds::FAR_M) {
             return Err(format!("its position is {at_m:?}, which must be within {:e} m", crate::bounds::FAR_M));
         }
-        if !((norm - 1.0).abs() <= NORM) {
+        if norm.is_nan() || (norm - 1.0).abs() > NORM {
             return Err(format!("its quaternion {turn:?} has the norm {norm}, which must be 1"));
         }
         Ok(Self { at_m, turn: turn.map(|part| part / norm) })
