@@ -28,8 +28,17 @@ pub struct Topic {
 impl Topic {
     /// A topic; `kind` is as either ROS writes it.
     pub(crate) fn new(name: &str, kind: &str, encoding: Encoding) -> Self {
-        Self { name: name.to_owned(), kind: kind.replacen("/msg/", "/", 1), encoding }
+        Self { name: plain(name), kind: plain(&kind.replacen("/msg/", "/", 1)), encoding }
     }
+}
+
+/// Names of ROS are shorter, characters.
+const LONGEST_NAME: usize = 100;
+
+/// A name as messages quote it: of bounded length and without control characters, which no name of ROS has.
+pub(crate) fn plain(name: &str) -> String {
+    let letters = name.chars().map(|letter| if letter.is_control() { char::REPLACEMENT_CHARACTER } else { letter });
+    letters.take(LONGEST_NAME).collect()
 }
 
 /// A message.

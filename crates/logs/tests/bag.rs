@@ -79,11 +79,7 @@ fn read(messages: &[Message]) -> (Vec<Event>, Report) {
 }
 
 fn pose(source: &str) -> BagOptions {
-    let pose = match source.strip_prefix("tf:") {
-        Some(frame) => PoseSource::Frame(frame.to_owned()),
-        None if source == "odom" => PoseSource::Odometry,
-        None => PoseSource::Topic(source.to_owned()),
-    };
+    let pose = PoseSource::named(source);
     BagOptions { pose, ..BagOptions::default() }
 }
 

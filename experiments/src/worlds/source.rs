@@ -198,11 +198,9 @@ fn pose<'a>(asked: &Asked<'a>) -> Result<(PoseSource, Option<&'a Path>), Failure
         return Err(Failure::BadInput(what));
     }
     let file = Path::new(text);
-    Ok(match text.strip_prefix("tf:") {
-        Some(frame) => (PoseSource::Frame(frame.strip_prefix('/').unwrap_or(frame).to_owned()), None),
-        None if text == "odom" => (PoseSource::Odometry, None),
-        None if file.is_file() => (elsewhere, Some(file)),
-        None => (PoseSource::Topic(text.to_owned()), None),
+    Ok(match PoseSource::named(text) {
+        PoseSource::Topic(_) if file.is_file() => (elsewhere, Some(file)),
+        named => (named, None),
     })
 }
 

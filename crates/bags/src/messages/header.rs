@@ -1,7 +1,7 @@
 //! `std_msgs/Header`: when and in which frame.
 
 use super::fields::{Fields, Short};
-use crate::record::Encoding;
+use crate::record::{Encoding, plain};
 
 /// When and in which frame a message holds.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -36,5 +36,5 @@ impl Header {
 /// The name of a frame.
 pub(super) fn frame(fields: &mut Fields<'_>) -> Result<String, Short> {
     let name = fields.text()?;
-    Ok(name.strip_prefix('/').unwrap_or(&name).to_owned())
+    Ok(plain(name.strip_prefix('/').unwrap_or(&name)))
 }

@@ -203,10 +203,10 @@ impl Frames {
         Known::Here(whole)
     }
 
-    /// All transforms by name, for messages: at most a dozen.
+    /// All transforms by name, for messages: a few of them.
     pub(super) fn described(&self) -> String {
         let mut names: Vec<String> =
-            self.edges.iter().take(12).map(|edge| format!("{} > {}", edge.parent, edge.child)).collect();
+            self.edges.iter().take(5).map(|edge| format!("{} > {}", edge.parent, edge.child)).collect();
         if self.edges.len() > names.len() {
             names.push(format!("{} more", self.edges.len() - names.len()));
         }

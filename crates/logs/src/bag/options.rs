@@ -35,6 +35,17 @@ pub enum PoseSource {
     Elsewhere(Body),
 }
 
+impl PoseSource {
+    /// By its name: `odom`, `tf:` and a frame, or a topic.
+    pub fn named(name: &str) -> Self {
+        match name.strip_prefix("tf:") {
+            Some(frame) => Self::Frame(frame.strip_prefix('/').unwrap_or(frame).to_owned()),
+            None if name == "odom" => Self::Odometry,
+            None => Self::Topic(name.to_owned()),
+        }
+    }
+}
+
 impl Default for BagOptions {
     fn default() -> Self {
         Self {

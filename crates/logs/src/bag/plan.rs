@@ -188,6 +188,17 @@ pub(super) fn plan(survey: &Survey, contents: &Contents, options: &BagOptions) -
     Ok(Plan { sensors, frames, poses, are_odometry, pose_topics, findings })
 }
 
+/// Some names of a list, for messages.
+fn some<'a>(names: impl ExactSizeIterator<Item = &'a str>) -> String {
+    const SOME: usize = 6;
+    let count = names.len();
+    let mut all: Vec<String> = names.take(SOME).map(str::to_owned).collect();
+    if count > SOME {
+        all.push(format!("{} more", count - SOME));
+    }
+    all.join(", ")
+}
+
 /// Topics of scans: those that were asked for, or the only one.
 fn scans(survey: &Survey, contents: &Contents, options: &BagOptions) -> Result<Vec<String>, Refusal> {
     let there = || if contents.scans.is_empty() { "no topic of scans".to_owned() } else { contents.scans.join(", ") };
@@ -217,9 +228,11 @@ fn scans(survey: &Survey, contents: &Contents, options: &BagOptions) -> Result<V
             "has no topic of scans (LaserScan, DisparityImage, or Image of depths) among its {} topics; record the scans, or give another bag",
             contents.topics.len()
         )),
-        ([], all) => {
-            open(format!("has {} topics of scans, {}: name those to be read by --scan", all.len(), all.join(", ")))
-        }
+        ([], all) => open(format!(
+            "has {} topics of scans, {}: name those to be read by --scan",
+            all.len(),
+            some(all.iter().map(String::as_str))
+        )),
         _ => Ok(found),
     }
 }
@@ -233,8 +246,8 @@ enum Source {
 
 fn source(survey: &Survey, contents: &Contents, options: &BagOptions) -> Result<Source, Refusal> {
     let there = || {
-        let names: Vec<&str> = contents.poses.iter().map(|pose| pose.option.as_str()).collect();
-        if names.is_empty() { "no source of poses".to_owned() } else { names.join(", ") }
+        let names = contents.poses.iter().map(|pose| pose.option.as_str());
+        if contents.poses.is_empty() { "no source of poses".to_owned() } else { some(names) }
     };
     let odometries: Vec<&String> = survey.poses.keys().filter(|name| is_odometry(survey, name)).collect();
     match &options.pose {
@@ -263,8 +276,8 @@ fn source(survey: &Survey, contents: &Contents, options: &BagOptions) -> Result<
             [] if survey.frames.has("odom") => Ok(Source::Frame("odom".to_owned())),
             [] => refuse(format!("--pose odom: the bag has neither a topic of nav_msgs/Odometry nor a frame odom; it has {}", there())),
             ref all => {
-                let names: Vec<&str> = all.iter().map(|name| name.as_str()).collect();
-                open(format!("--pose odom: {} are of type nav_msgs/Odometry: name one of them by --pose", names.join(", ")))
+                let names = some(all.iter().map(|name| name.as_str()));
+                open(format!("--pose odom: {names} are of type nav_msgs/Odometry: name one of them by --pose"))
             }
         },
         PoseSource::Only => match &contents.poses[..] {
