@@ -71,6 +71,17 @@ def test_poses_come_from_wherever_they_are(folder, drive, expected, poses, optio
     assert predictions(folder, path, "--pose", option, "--scan", "/scan")[0] == expected
 
 
+def test_poses_of_a_file_are_the_robots(folder, drive, expected):
+    with open(folder / "way.txt", "w") as file:
+        for stamp, (x, y, theta) in zip(drive.stamps, drive.robot):
+            turn = f"{math.sin(theta / 2)!r} {math.cos(theta / 2)!r}"
+            file.write(f"{stamp / bag_writer.NS!r} {x!r} {y!r} 0 0 0 {turn}\n")
+    path = bag_writer.write(folder / "by-file", bag_writer.messages(drive, 2), "sqlite")
+    printed = predictions(folder, path, "--pose", "way.txt")[0]
+    found, known = ([float(x) for x in text.splitlines()[1].split(",")[1:]] for text in (printed, expected))
+    assert np.allclose(found, known, rtol=1e-3)
+
+
 def test_a_laser_upside_down_is_the_same_room(folder):
     drive = bag_writer.Drive(mirrored=True)
     drive.table(folder / "mirrored.csv")

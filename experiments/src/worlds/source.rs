@@ -19,7 +19,7 @@ pub struct BagArgs {
     /// Topic of scans: LaserScan, DisparityImage or Image of depths; may be given several times, a sensor each [default: the only one]
     #[arg(long, help_heading = "Bags of ROS", value_name = "TOPIC")]
     pub scan: Vec<String>,
-    /// Where poses come from: the odometry, a topic, the transforms between a frame and the sensor, or a file in the TUM format [default: the only source]
+    /// Where the robot's poses come from: the odometry, a topic, the transforms between a frame and the sensor, or a file in the TUM format [default: the only source]
     #[arg(long, help_heading = "Bags of ROS", value_name = "odom|TOPIC|tf:FRAME|FILE")]
     pub pose: Option<String>,
     /// Where sensors stand on the robot that no transform tells of, m and degrees
@@ -113,9 +113,9 @@ impl Source {
             return Ok(None);
         }
         let (pose, file) = pose(asked)?;
-        let trajectory = match file.or(asked.trajectory) {
-            Some(file) => Some((opened(file)?, asked.body)),
-            None => None,
+        let trajectory = match (file, &pose) {
+            (Some(file), PoseSource::Elsewhere(body)) => Some((opened(file)?, *body)),
+            _ => None,
         };
         let options = BagOptions {
             scans: asked.bag.scan.clone(),
@@ -189,9 +189,9 @@ impl Source {
 
 /// The source of poses that options name, and the file if it is one.
 fn pose<'a>(asked: &Asked<'a>) -> Result<(PoseSource, Option<&'a Path>), Failure> {
-    let elsewhere = PoseSource::Elsewhere(asked.body);
     let Some(text) = asked.bag.pose.as_deref() else {
-        return Ok((if asked.trajectory.is_some() { elsewhere } else { PoseSource::Only }, None));
+        let elsewhere = asked.trajectory.map(|_| PoseSource::Elsewhere(asked.body));
+        return Ok((elsewhere.unwrap_or_default(), asked.trajectory));
     };
     if asked.trajectory.is_some() {
         let what = format!("--pose {text}: --trajectory gives the poses too; leave one of them out");
@@ -199,7 +199,11 @@ fn pose<'a>(asked: &Asked<'a>) -> Result<(PoseSource, Option<&'a Path>), Failure
     }
     let file = Path::new(text);
     Ok(match PoseSource::named(text) {
-        PoseSource::Topic(_) if file.is_file() => (elsewhere, Some(file)),
+        // The poses of a bag are the robot's, and so are those of a file in their place.
+        PoseSource::Topic(_) if file.is_file() => {
+            let body = if asked.given.has("body") { asked.body } else { Body::Robot };
+            (PoseSource::Elsewhere(body), Some(file))
+        }
         named => (named, None),
     })
 }

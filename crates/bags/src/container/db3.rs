@@ -14,9 +14,12 @@ use self::row::{Value, columns};
 use self::walk::{Cell, Walk};
 use super::{Container, Wanted};
 use crate::damage::{Damage, Loss};
-use crate::record::{Bytes, Encoding, Record, Topic};
+use crate::record::{Bytes, Encoding, Record, Topic, plain};
 
 pub(crate) use self::pages::{MAGIC, Pages, write_ahead};
+
+/// Tables that are named where those of a bag are missing.
+const SOME: usize = 6;
 
 /// A database, whose messages are read in the order of their rows.
 pub(crate) struct Db3 {
@@ -64,8 +67,9 @@ impl Db3 {
             }
         }
         let missing = || {
-            let mut names: Vec<&str> = tables.keys().map(String::as_str).collect();
+            let mut names: Vec<String> = tables.keys().map(|name| plain(name)).collect();
             names.sort_unstable();
+            names.truncate(SOME);
             let has = if names.is_empty() { "no table that can be read".to_owned() } else { names.join(", ") };
             format!(
                 "is an SQLite database without the tables of a bag, topics and messages (it has {has}); give a bag of rosbag2"

@@ -72,9 +72,9 @@ impl<'a> Image<'a> {
         Ok(Self { header, height, width, encoding, is_big, step, data: fields.byte_list()? })
     }
 
-    /// Whether the pixels are depths: `16UC1` (`mono16`) in mm or `32FC1` in m (REP 118).
+    /// Whether the pixels are depths: `16UC1` in mm or `32FC1` in m (REP 118).
     pub fn is_of_depths(&self) -> bool {
-        matches!(self.encoding.as_str(), "16UC1" | "mono16" | "32FC1")
+        matches!(self.encoding.as_str(), "16UC1" | "32FC1")
     }
 
     /// Depths in some of the rows, m, row after row; NaN where there is none.
@@ -83,7 +83,7 @@ impl<'a> Image<'a> {
     /// Another encoding; rows that the image does not have.
     pub fn depths_m(&self, rows: Range<usize>) -> Result<Vec<Vec<f64>>, String> {
         match self.encoding.as_str() {
-            "16UC1" | "mono16" => self.rows(rows, |pixel: [u8; 2], is_big| {
+            "16UC1" => self.rows(rows, |pixel: [u8; 2], is_big| {
                 let mm = if is_big { u16::from_be_bytes(pixel) } else { u16::from_le_bytes(pixel) };
                 if mm == 0 { f64::NAN } else { f64::from(mm) / 1000.0 }
             }),

@@ -30,15 +30,15 @@ impl Clock {
     /// By stamps and times of recording of some messages, ns; `start_ns` is when the recording began.
     pub(super) fn of(samples: &[(i64, u64)], start_ns: u64) -> Self {
         let mut offsets: Vec<f64> =
-            samples.iter().map(|(stamp, recorded)| seconds(*stamp) - seconds(*recorded as i64)).collect();
+            samples.iter().map(|(stamp, recorded)| seconds(*stamp) - since(*recorded)).collect();
         let middle = offsets.len() / 2;
         let median = if offsets.is_empty() { 0.0 } else { *offsets.select_nth_unstable_by(middle, f64::total_cmp).1 };
-        Self { offset_s: if median.abs() > OFF_S { median } else { 0.0 }, start_s: seconds(start_ns as i64) }
+        Self { offset_s: if median.abs() > OFF_S { median } else { 0.0 }, start_s: since(start_ns) }
     }
 
     /// The time of a message, s, and what its stamp is.
     pub(super) fn time_s(&self, stamp_ns: i64, recorded_ns: u64) -> (f64, Stamp) {
-        let recorded_s = seconds(recorded_ns as i64);
+        let recorded_s = since(recorded_ns);
         let expected_s = recorded_s + self.offset_s;
         if stamp_ns == 0 {
             return (expected_s, Stamp::Zero);
@@ -52,6 +52,12 @@ impl Clock {
     }
 }
 
+/// Of a time of recording, s.
+fn since(ns: u64) -> f64 {
+    ns as f64 / 1e9
+}
+
+/// Of a stamp, s.
 fn seconds(ns: i64) -> f64 {
     ns as f64 / 1e9
 }

@@ -420,7 +420,10 @@ impl Mounting<'_> {
         let found = beside.iter().find_map(|name| cameras.get(name));
         let found = found.or_else(|| cameras.values().find(|camera| camera.header.frame == frame));
         let found = found.or_else(|| cameras.values().next().filter(|_| cameras.len() == 1));
-        let found = found.filter(|camera| camera.focal_px > 0.0 && camera.focal_px.is_finite());
+        let found = found.filter(|camera| {
+            let [u, v] = camera.centre_px;
+            camera.focal_px > 0.0 && [camera.focal_px, u, v].into_iter().all(f64::is_finite)
+        });
         match (kind, found) {
             (ScanKind::Laser, _) => Ok((0.0, None)),
             (ScanKind::Disparities { focal_px, focal_baseline, .. }, found) => {
