@@ -27,6 +27,7 @@ pub mod schema;
 pub mod seen;
 pub mod shipped;
 pub mod site;
+pub mod source;
 pub mod track;
 pub mod weighing;
 pub mod witness;

@@ -4,6 +4,7 @@
 
 #![forbid(unsafe_code)]
 
+mod bag;
 mod image;
 mod log;
 mod message;
@@ -12,6 +13,7 @@ mod ros_map;
 mod scene;
 mod trajectory;
 
+pub use bag::bag;
 pub use image::image;
 pub use log::{carmen, gzip, table};
 pub use npy::npy;

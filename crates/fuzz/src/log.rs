@@ -9,7 +9,7 @@ use sensor::Scan;
 
 use crate::message;
 
-const PLACE: &str = "a.log";
+pub(crate) const PLACE: &str = "a.log";
 
 /// Every member of a gzip file begins so.
 const MAGIC: [u8; 2] = [0x1f, 0x8b];
@@ -78,9 +78,9 @@ fn packed(text: &[u8]) -> Vec<u8> {
 
 /// What was read of a log that has a scan.
 #[derive(Debug, PartialEq)]
-struct Found {
+pub(crate) struct Found {
     scans: Vec<Scan>,
-    report: Report,
+    pub(crate) report: Report,
     whole: bool,
 }
 
@@ -94,7 +94,7 @@ fn both_ways<'a>(open: impl Fn(&Options) -> Result<Log<'a>, LogError>) -> Option
 }
 
 /// Reads to the end; every number must be one, and the report must add up.
-fn read(log: Result<Log<'_>, LogError>) -> Option<Found> {
+pub(crate) fn read(log: Result<Log<'_>, LogError>) -> Option<Found> {
     let mut log = log.inspect_err(|error| message::check(error, PLACE)).ok()?;
     let mut scans: Vec<Scan> = Vec::new();
     let mut whole = true;
@@ -113,7 +113,7 @@ fn read(log: Result<Log<'_>, LogError>) -> Option<Found> {
     assert_eq!((report.kept, report.kept + dropped), (scans.len() as u64, report.scans));
     assert!(report.scans > 0 && report.damaged <= report.lines && report.problems.len() <= 20, "{report:?}");
     report.problems.iter().for_each(|problem| message::line(&problem.reason));
-    report.findings().iter().for_each(|finding| message::line(&finding.to_string()));
+    report.findings().iter().for_each(|finding| message::line(&finding.text(report.unit)));
     let counted = [report.beams, report.unusable, report.no_returns];
     let readings = || scans.iter().flat_map(|scan| &scan.readings);
     let count = |wanted: fn(&Option<f64>) -> bool| readings().filter(|reading| wanted(reading)).count() as u64;

@@ -4,6 +4,9 @@ use std::io;
 
 use thiserror::Error;
 
+use crate::bag::Contents;
+use crate::report::Unit;
+
 /// Why a log or a trajectory is refused. Every message is one line: place, value, bound, what to do.
 #[derive(Debug, Error)]
 pub enum LogError {
@@ -14,6 +17,27 @@ pub enum LogError {
         place: String,
         /// What the system reports.
         source: io::Error,
+    },
+    /// It is no bag that can be read.
+    #[error(transparent)]
+    Bag(bags::BagError),
+    /// A bag does not hold what was asked for, or what is needed.
+    #[error("{place}: {reason}")]
+    Unusable {
+        /// The bag.
+        place: String,
+        /// What is missing, what there is, and what to do.
+        reason: String,
+    },
+    /// A bag holds more than one thing that could be meant.
+    #[error("{place}: {reason}")]
+    Undecided {
+        /// The bag.
+        place: String,
+        /// Between what there is a choice.
+        reason: String,
+        /// All that it holds.
+        contents: Box<Contents>,
     },
     /// It is a folder.
     #[error("{place}: is a folder; give one log")]
@@ -90,30 +114,35 @@ pub enum LogError {
         reason: String,
     },
     /// Nothing in the file is a scan.
-    #[error("{place}: no scan in {lines} lines{reason}")]
+    #[error("{place}: no scan in {lines} {unit}s{reason}")]
     NoScan {
         /// The file.
         place: String,
-        /// Number of lines.
+        /// Number of lines or messages.
         lines: u64,
+        /// What was counted.
+        unit: Unit,
         /// The first problem, or what was skipped and what to do.
         reason: String,
     },
     /// Too many lines are damaged.
     #[error(
-        "{place}:{line}: {reason}; {damaged} of {lines} lines are damaged, which is more than {} %; repair the log, or allow more",
+        "{place}{}{line}: {reason}; {damaged} of {lines} {unit}s are damaged, which is more than {} %; repair the log, or allow more",
+        if *unit == Unit::Line { ":" } else { ", message " },
         share * 100.0
     )]
     Damaged {
         /// The file.
         place: String,
-        /// The first damaged line.
+        /// The first damaged line, or message of a bag.
         line: u64,
+        /// What was counted.
+        unit: Unit,
         /// What is wrong with it.
         reason: String,
-        /// Number of damaged lines.
+        /// Number of damaged lines or messages.
         damaged: u64,
-        /// Number of all lines that are not blank.
+        /// Number of all lines that are not blank, or of all messages.
         lines: u64,
         /// The share that is allowed, 0 to 1.
         share: f64,

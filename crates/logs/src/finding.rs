@@ -2,10 +2,12 @@
 
 mod text;
 
+use crate::bag::BagFinding;
 use crate::fan::Fan;
 use crate::motion::Step;
 
-/// Something to know of a log or a trajectory that was read; [`Display`](std::fmt::Display) is a line that gives value, bound and remedy.
+/// Something to know of a log or a trajectory that was read; [`Display`](std::fmt::Display) is a line that gives value, bound and remedy;
+/// of a bag, [`text`](Self::text) counts in messages.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Finding {
@@ -90,11 +92,22 @@ pub enum Finding {
         /// How many.
         scans: u64,
     },
-    /// Scans of raw lasers without odometry around them were left out.
+    /// Scans of raw lasers without odometry around them, or of a bag without poses around them, were left out.
     Unplaced {
         /// How many.
         scans: u64,
+        /// Where the poses of a bag come from.
+        poses: Option<String>,
     },
+    /// Ranges of a bag beyond the maximum that its messages state say nothing.
+    BeyondMaximum {
+        /// How many.
+        count: u64,
+        /// Of so many beams.
+        beams: u64,
+    },
+    /// What is to be known of a bag.
+    Bag(BagFinding),
     /// Disparities of exactly 0 were taken for no match.
     ZeroDisparities {
         /// How many.
@@ -182,7 +195,8 @@ impl Finding {
         match self {
             Self::GuessedFan { usual, .. } => !usual,
             Self::StepsBack { count, .. } => *count > 0,
-            Self::LargeDisparities { count, beams, .. } => count * 20 > *beams,
+            Self::Bag(finding) => finding.is_warning(),
+            Self::BeyondMaximum { count, beams } | Self::LargeDisparities { count, beams, .. } => count * 20 > *beams,
             Self::UnevenFan { .. }
             | Self::Jump { .. }
             | Self::Twist { .. }

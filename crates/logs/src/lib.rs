@@ -23,6 +23,7 @@
 //! | `Some(INFINITY)` | no echo up to the maximum range ([`Sensor::Laser`]): free all the way, not a wall | does not occur |
 //! | `None` | nothing usable: NaN, zero, negative, below the minimum range, an empty field | no match: NaN, zero, negative, infinite, above the largest disparity, an empty field |
 
+pub mod bag;
 mod bounds;
 pub mod carmen;
 mod choice;
@@ -51,5 +52,5 @@ pub use log::Log;
 pub use motion::{Motion, Step};
 pub use options::Options;
 pub use record::{Event, Sensor};
-pub use report::{FanReport, Gap, NoMatchCodes, Problem, Report, SensorReport, StepBack, Stray};
+pub use report::{FanReport, Gap, NoMatchCodes, Problem, Report, SensorReport, StepBack, Stray, Unit};
 pub use trajectory::{Body, Trajectory};

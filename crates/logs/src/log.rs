@@ -1,19 +1,21 @@
 //! A log as a stream of scans.
 
 use std::collections::VecDeque;
-use std::io::{BufRead, Read};
+use std::io::{self, BufRead, Read};
 use std::path::Path;
+use std::sync::Arc;
 
 use memchr::memchr;
 use sensor::Scan;
 
+use crate::bag::{BagOptions, Drive, Scans};
 use crate::carmen::Carmen;
 use crate::choice::Choice;
 use crate::error::LogError;
 use crate::lines::{LONGEST_LINE, Line, Lines};
 use crate::options::Options;
 use crate::record::{Event, Fault, Parser, Recorded, Sensor};
-use crate::report::{Problem, Report};
+use crate::report::{Problem, Report, Unit};
 use crate::source;
 use crate::strays::Strays;
 use crate::table::{Head, Table};
@@ -27,6 +29,8 @@ pub struct Log<'a> {
     place: String,
     options: Options,
     lines: Lines<Box<dyn BufRead + Send + 'a>>,
+    /// The scans of a bag, which has no lines.
+    bag: Option<Scans>,
     kind: Option<Kind>,
     /// None before the first line, which says what the log is.
     parser: Option<Box<dyn Parser>>,
@@ -54,12 +58,29 @@ enum Kind {
 }
 
 impl Log<'static> {
-    /// Opens a CARMEN log or a table of scans, plain, gzip or bzip2, and reads up to its first scan.
+    /// Opens a CARMEN log or a table of scans, plain, gzip or bzip2, or a [bag](crate::bag) that leaves no choice, and reads up to its first scan.
     ///
     /// # Errors
-    /// A file that cannot be read, or not twice; options that make no sense, the head of a table that is wrong, a log without a scan.
+    /// A file that cannot be read, or not twice; options that make no sense, the head of a table that is wrong, a log without a scan; of a
+    /// bag, as [`Drive::open`].
     pub fn open(path: &Path, options: &Options) -> Result<Self, LogError> {
+        if Drive::is_at(path) {
+            return Self::of_drive(&Drive::open(path, &BagOptions::default())?, options);
+        }
         Self::begin(source::file(path, true)?, &path.display().to_string(), options, None)
+    }
+
+    /// The scans of a bag, up to its first scan.
+    ///
+    /// # Errors
+    /// Options that make no sense, a bag without a scan that can be read.
+    pub fn of_drive(drive: &Arc<Drive>, options: &Options) -> Result<Self, LogError> {
+        options.check()?;
+        let mut log = Self::unread(io::empty(), drive.place(), options, None)?;
+        let scans = Scans::new(drive, options);
+        scans.begin(&mut log.report);
+        log.bag = Some(scans);
+        log.up_to_the_first(options)
     }
 }
 
@@ -94,7 +115,7 @@ impl<'a> Log<'a> {
     /// # Errors
     /// [`LogError::Untimed`], for a table without times.
     pub fn along(mut self, trajectory: Trajectory, body: Body) -> Result<Self, LogError> {
-        if !self.parser.as_ref().is_some_and(|parser| parser.timed()) {
+        if self.bag.is_none() && !self.parser.as_ref().is_some_and(|parser| parser.timed()) {
             return Err(LogError::Untimed { place: self.place });
         }
         self.report.noted.extend_from_slice(trajectory.findings());
@@ -143,10 +164,20 @@ impl<'a> Log<'a> {
         kind: Option<Kind>,
     ) -> Result<Self, LogError> {
         options.check()?;
-        let mut log = Self {
+        Self::unread(source, place, options, kind)?.up_to_the_first(options)
+    }
+
+    fn unread(
+        source: impl Read + Send + 'a,
+        place: &str,
+        options: &Options,
+        kind: Option<Kind>,
+    ) -> Result<Self, LogError> {
+        Ok(Self {
             place: place.to_owned(),
             options: options.clone(),
             lines: Lines::new(source::text(source, place)?),
+            bag: None,
             kind,
             parser: None,
             report: Report {
@@ -164,29 +195,48 @@ impl<'a> Log<'a> {
             maximum_changed: false,
             failure: None,
             ended: false,
-        };
-        while log.ahead.is_empty() && !log.ended {
-            log.read_line();
+        })
+    }
+
+    fn up_to_the_first(mut self, options: &Options) -> Result<Self, LogError> {
+        while self.ahead.is_empty() && !self.ended {
+            self.read_more();
         }
-        match log.ahead.front() {
+        match self.ahead.front() {
             Some(first) => {
-                (log.sensor, log.choice) = (first.kind, Choice::new(options, first.scan.time_s));
-                log.report.start_s = first.scan.time_s;
+                (self.sensor, self.choice) = (first.kind, Choice::new(options, first.scan.time_s));
+                self.report.start_s = first.scan.time_s;
             }
-            None => return Err(log.failure.take().unwrap_or_else(|| log.no_scan())),
+            None => return Err(self.failure.take().unwrap_or_else(|| self.no_scan())),
         }
-        Ok(log)
+        Ok(self)
     }
 
     /// The next scan of the log whose readings are plausible, counted.
     fn record(&mut self) -> Option<Recorded> {
         while self.ahead.is_empty() && !self.ended {
-            self.read_line();
+            self.read_more();
         }
         let recorded = self.ahead.pop_front()?;
         self.count(&recorded);
         self.choice.see(&recorded, &mut self.report);
         Some(recorded)
+    }
+
+    fn read_more(&mut self) {
+        match &mut self.bag {
+            Some(_) => self.read_message(),
+            None => self.read_line(),
+        }
+    }
+
+    /// Reads up to the next scan of a bag, or comes to the end.
+    fn read_message(&mut self) {
+        match self.bag.as_mut().and_then(|scans| scans.next(&mut self.report)) {
+            Some((_, Ok(recorded))) => self.keep(VecDeque::from([recorded])),
+            Some((number, Err(reason))) => self.damage(number, reason),
+            None => self.ended = true,
+        }
     }
 
     /// Reads a line, or comes to the end, and keeps the scans that this completes.
@@ -293,7 +343,8 @@ impl<'a> Log<'a> {
         let share = self.options.damaged_share;
         if damaged > 1 && damaged as f64 > share * lines as f64 {
             let Problem { line, reason } = self.first_damage.take()?;
-            return Some(LogError::Damaged { place: self.place.clone(), line, reason, damaged, lines, share });
+            let unit = self.report.unit;
+            return Some(LogError::Damaged { place: self.place.clone(), line, unit, reason, damaged, lines, share });
         }
         let trajectory_s = self.choice.trajectory().filter(|_| outside_trajectory == scans)?.span_s();
         if std::mem::replace(&mut self.report.clocks_differ, true) {
@@ -304,8 +355,10 @@ impl<'a> Log<'a> {
     }
 
     fn no_scan(&self) -> LogError {
+        let unit = self.report.unit;
         let reason = match &self.first_damage {
-            Some(problem) => format!("; line {}: {}", problem.line, problem.reason),
+            Some(problem) => format!("; {unit} {}: {}", problem.line, problem.reason),
+            None if unit == Unit::Message => "; the topics that were named have no message".to_owned(),
             None if self.report.lines == 0 => {
                 ": it is empty; give a CARMEN log with FLASER, RLASER or ROBOTLASER1, or a table of scans".to_owned()
             }
@@ -315,7 +368,7 @@ impl<'a> Log<'a> {
                 only + "; give a CARMEN log with FLASER, RLASER, ROBOTLASER1, or RAWLASER1 and ODOM, or a table of scans"
             }
         };
-        LogError::NoScan { place: self.place.clone(), lines: self.report.lines, reason }
+        LogError::NoScan { place: self.place.clone(), lines: self.report.lines, unit, reason }
     }
 }
 

@@ -11,10 +11,29 @@ use crate::record::Sensor;
 /// Names of messages that the report tells apart; what comes on top is counted together.
 const MOST_NAMES: usize = 100;
 
+/// What a log is counted in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Unit {
+    /// Lines of a text.
+    #[default]
+    Line,
+    /// Messages of a bag.
+    Message,
+}
+
+impl fmt::Display for Unit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Line => "line",
+            Self::Message => "message",
+        })
+    }
+}
+
 /// Something wrong in a log.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Problem {
-    /// Line, from 1.
+    /// Line, or message of a bag, from 1.
     pub line: u64,
     /// What is wrong.
     pub reason: String,
@@ -94,7 +113,9 @@ const MOST_FANS: usize = 8;
 /// What was found in a log so far; complete at its end.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Report {
-    /// Lines that are not blank.
+    /// What the log is counted in.
+    pub unit: Unit,
+    /// Lines that are not blank, or messages of a bag.
     pub lines: u64,
     /// Scans, whether kept or not.
     pub scans: u64,
@@ -128,8 +149,12 @@ pub struct Report {
     pub longest_gap: Option<Gap>,
     /// The longest gap that is bridged, s.
     pub max_gap_s: f64,
-    /// Scans without a pose: of raw lasers, without odometry around them.
+    /// Scans without a pose: of raw lasers, without odometry around them; of a bag, without poses before and after them.
     pub unplaced: u64,
+    /// Where the poses of a bag come from.
+    pub poses: Option<String>,
+    /// Ranges of a bag beyond the maximum that its messages state.
+    pub beyond_maximum: u64,
     /// Scans whose poses are far from all others.
     pub strays: u64,
     /// The first of them.
@@ -197,7 +222,8 @@ impl Report {
         let NoMatchCodes { zero, infinite, large } = self.codes;
         let some = |count: u64, finding: Finding| (count > 0).then_some(finding);
         all.extend(some(self.said_again, Finding::SaidAgain { scans: self.said_again }));
-        all.extend(some(self.unplaced, Finding::Unplaced { scans: self.unplaced }));
+        all.extend(some(self.unplaced, Finding::Unplaced { scans: self.unplaced, poses: self.poses.clone() }));
+        all.extend(some(self.beyond_maximum, Finding::BeyondMaximum { count: self.beyond_maximum, beams }));
         all.extend(some(zero, Finding::ZeroDisparities { count: zero, beams }));
         all.extend(some(infinite, Finding::InfiniteDisparities { count: infinite }));
         all.extend(some(large, Finding::LargeDisparities { count: large, beams, most_px: self.max_disparity_px }));
@@ -299,7 +325,7 @@ fn sensor_findings(sensor: &SensorReport) -> Vec<Finding> {
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [first, last] = self.span_s.unwrap_or_default();
-        write!(f, "{} scans in {} lines, {:.1} s; {} kept", self.scans, self.lines, last - first, self.kept)?;
+        write!(f, "{} scans in {} {}s, {:.1} s; {} kept", self.scans, self.lines, self.unit, last - first, self.kept)?;
         for (count, what) in [
             (self.outside_window, "outside the time window"),
             (self.outside_trajectory, "outside the trajectory"),
@@ -326,10 +352,10 @@ impl fmt::Display for Report {
             write!(f, "\nskipped: {}", names.join(", "))?;
         }
         for finding in self.findings() {
-            write!(f, "\n{}{finding}", if finding.is_warning() { "warning: " } else { "" })?;
+            write!(f, "\n{}{}", if finding.is_warning() { "warning: " } else { "" }, finding.text(self.unit))?;
         }
-        write!(f, "\n{} damaged lines", self.damaged)?;
-        self.problems.iter().try_for_each(|problem| write!(f, "\n  line {}: {}", problem.line, problem.reason))
+        write!(f, "\n{} damaged {}s", self.damaged, self.unit)?;
+        self.problems.iter().try_for_each(|problem| write!(f, "\n  {} {}: {}", self.unit, problem.line, problem.reason))
     }
 }
 

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
+use logs::bag::{BagOptions, Drive, PoseSource};
 use logs::{Options, Sensor};
 use pyo3::prelude::*;
 
@@ -40,32 +41,42 @@ impl Event {
         self.odometry
     }
 
-    /// The line that it begins on, from 1.
+    /// The line that it begins on, or the message of a bag, from 1.
     #[getter]
     fn line(&self) -> u64 {
         self.line
     }
 }
 
-/// Opens a log: CARMEN, or a table of scans (CSV), plain or compressed.
+/// Opens a log: CARMEN, or a table of scans (CSV), plain or compressed; or a bag of ROS (.bag, .mcap, .db3, or the folder of rosbag2).
 ///
 /// :param every: every n-th scan alone
 /// :param window: ``(from, to)``, s since the first scan
 /// :param min_range_m: readings below are not used, m
 /// :param max_range_m: readings from here on are no echo, m; default what the log says, else 80
+/// :param scan: of a bag, topics of scans, a sensor each; default the only one
+/// :param pose: of a bag, where poses come from: ``"odom"``, a topic, or ``"tf:FRAME"``; default the only source
 #[pyfunction]
-#[pyo3(signature = (path, *, every = 1, window = None, min_range_m = 0.0, max_range_m = None))]
+#[expect(clippy::too_many_arguments, reason = "they are keywords")]
+#[pyo3(signature = (path, *, every = 1, window = None, min_range_m = 0.0, max_range_m = None, scan = Vec::new(), pose = None))]
 pub(crate) fn read_log(
     path: PathBuf,
     every: u64,
     window: Option<(f64, f64)>,
     min_range_m: f64,
     max_range_m: Option<f64>,
+    scan: Vec<String>,
+    pose: Option<&str>,
 ) -> PyResult<Log> {
     let options =
         Options { every, window_s: window.map(|(from, to)| from..to), min_range_m, max_range_m, ..Options::default() };
     options.check().map_err(bad)?;
-    let log = logs::Log::open(&path, &options).map_err(bad)?;
+    let pose = pose.map_or(PoseSource::Only, PoseSource::named);
+    let bag = BagOptions { scans: scan, pose, ..BagOptions::default() };
+    let log = match Drive::is_at(&path) {
+        true => Drive::open(&path, &bag).and_then(|drive| logs::Log::of_drive(&drive, &options)).map_err(bad)?,
+        false => logs::Log::open(&path, &options).map_err(bad)?,
+    };
     Ok(Log { path, log: Mutex::new(log) })
 }
 
@@ -90,7 +101,8 @@ impl Log {
     #[getter]
     fn findings(&self) -> Vec<String> {
         let log = self.log.lock().unwrap_or_else(PoisonError::into_inner);
-        log.report().findings().iter().map(ToString::to_string).collect()
+        let unit = log.report().unit;
+        log.report().findings().iter().map(|finding| finding.text(unit)).collect()
     }
 
     fn __iter__(this: PyRef<'_, Self>) -> PyRef<'_, Self> {
@@ -119,10 +131,13 @@ fn of_kind(py: Python<'_>, kind: Sensor) -> PyResult<Py<PyAny>> {
 impl Log {
     /// Warns of what is suspicious about the log.
     fn end(&self, py: Python<'_>) -> PyResult<()> {
-        let findings = self.log.lock().unwrap_or_else(PoisonError::into_inner).report().findings();
+        let (findings, unit) = {
+            let log = self.log.lock().unwrap_or_else(PoisonError::into_inner);
+            (log.report().findings(), log.report().unit)
+        };
         let warnings = py.import("warnings")?;
         for finding in findings.iter().filter(|finding| finding.is_warning()) {
-            warnings.call_method1("warn", (format!("{}: {finding}", self.path.display()),))?;
+            warnings.call_method1("warn", (format!("{}: {}", self.path.display(), finding.text(unit)),))?;
         }
         Ok(())
     }

@@ -13,6 +13,8 @@ mod views;
 
 pub use options::CalibrateOptions;
 
+use logs::bag::Drive;
+
 use crate::failure::Failure;
 use crate::jobs::interruption;
 use crate::jobs::threads;
@@ -23,15 +25,20 @@ use crate::output::note;
 ///
 /// # Errors
 /// Bad input before any work, input that is refused, I/O.
-pub fn run(options: &CalibrateOptions) -> Result<(), Failure> {
+pub fn run(mut options: CalibrateOptions) -> Result<(), Failure> {
     interruption::watch();
     threads::limit(options.threads.count)?;
     let purpose = Purpose::new("calibrate", &[&options.file], options.paper.files(&outputs::FILES));
     let staging = options.out.as_deref().map(|folder| Staging::open(folder, &purpose)).transpose()?;
-    let calibration = match disparities::load(&options.file)? {
-        Some(disparities) => disparities::calibrate(&disparities, options)?,
-        None => log::calibrate(options)?,
+    let disparities = if Drive::is_at(&options.file) { None } else { disparities::load(&options.file)? };
+    let calibration = match disparities {
+        Some(disparities) => disparities::calibrate(&disparities, &options)?,
+        None => match log::calibrate(&mut options)? {
+            Some(calibration) => calibration,
+            None => return Ok(()),
+        },
     };
+    let options = &options;
     if let (Some(staging), Some(folder)) = (staging, &options.out) {
         outputs::write(staging, options, &calibration)?;
         note(folder.join("calibration.csv").display());

@@ -42,7 +42,7 @@ const TOO_LARGE: &str = "use larger cells (--grid), a shorter --reach, a part of
 ///
 /// # Errors
 /// Bad input before any work, a log that is refused, I/O.
-pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
+pub fn run(mut options: ReplayOptions) -> Result<(), Failure> {
     let start = Instant::now();
     interruption::watch();
     let entries = entries(&options.mappers, &options.programs)?;
@@ -51,7 +51,8 @@ pub fn run(options: &ReplayOptions) -> Result<(), Failure> {
         &[outputs::heads(true), outputs::heads(false)].concat(),
         &predictions::COLUMNS,
     )?;
-    let recording = Recording::of(options)?;
+    let Some(recording) = Recording::of(&mut options)? else { return Ok(()) };
+    let options = &options;
     threads::limit(options.threads.count)?;
     let survey = Survey::of(&recording, options.reach, &|kind| options.sensor(kind))?;
     reading::tell_before_mapping(&recording.place(), &survey.report);

@@ -76,6 +76,11 @@ impl Given {
         Self(matches.ids().filter(given).map(ToString::to_string).collect())
     }
 
+    /// Whether an option was given, by its field's name.
+    pub(crate) fn has(&self, field: &str) -> bool {
+        self.0.iter().any(|given| given == field)
+    }
+
     /// Warns of those among `fields` that were given, since they have no effect on `place`, which is `what`.
     pub(crate) fn warn(&self, fields: &[&str], place: &str, what: &str) {
         if let Some(line) = self.idle(fields, place, what) {
@@ -84,7 +89,7 @@ impl Given {
     }
 
     fn idle(&self, fields: &[&str], place: &str, what: &str) -> Option<String> {
-        let given = fields.iter().filter(|field| self.0.iter().any(|given| given == **field));
+        let given = fields.iter().filter(|field| self.has(field));
         let names: Vec<String> = given.map(|field| format!("--{}", field.replace('_', "-"))).collect();
         let verb = if names.len() == 1 { "has" } else { "have" };
         let line = || format!("warning: {}: {verb} no effect on {place}, {what}; leave out", names.join(", "));

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use clap::Args;
-use logs::{FanOptions, Finding, Report, Sensor};
+use logs::{FanOptions, Finding, Report, Sensor, Unit};
 
 use crate::output::args::{Given, number};
 use crate::output::note;
@@ -14,8 +14,9 @@ pub const DAMAGED_SHARE: f64 = 0.05;
 /// The name of a log without the extensions that say its form.
 pub fn stem(log: &Path) -> String {
     let name = Path::new(log.file_name().unwrap_or_default());
-    let packed =
-        ["gz", "bz2", "xz", "zst"].iter().any(|known| name.extension().is_some_and(|e| e.eq_ignore_ascii_case(known)));
+    let packed = ["gz", "bz2", "xz", "zst", "zstd"]
+        .iter()
+        .any(|known| name.extension().is_some_and(|e| e.eq_ignore_ascii_case(known)));
     let name = if packed { Path::new(name.file_stem().unwrap_or_default()) } else { name };
     let stem = name.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     if stem.is_empty() { "log".to_owned() } else { stem }
@@ -58,18 +59,19 @@ fn step(text: &str) -> Result<f64, String> {
 
 /// Prints what is to be known of a log on stderr: warnings and notes.
 pub(crate) fn tell(place: &str, report: &Report) {
-    report.findings().iter().for_each(|finding| say(place, finding, finding.is_warning()));
+    report.findings().iter().for_each(|finding| say(place, report, finding, finding.is_warning()));
 }
 
 /// As [`tell`], but for what can only be judged by a map: poses of the odometry.
 pub(crate) fn tell_before_mapping(place: &str, report: &Report) {
     let all = report.findings();
-    all.iter().filter(|finding| !waits(finding)).for_each(|finding| say(place, finding, finding.is_warning()));
+    all.iter().filter(|finding| !waits(finding)).for_each(|finding| say(place, report, finding, finding.is_warning()));
 }
 
 /// Prints the rest: a warning where scans do not agree with the map, else a note.
 pub(crate) fn tell_after_mapping(place: &str, report: &Report, fails: bool) {
-    report.findings().iter().filter(|finding| waits(finding)).for_each(|finding| say(place, finding, fails));
+    let all = report.findings();
+    all.iter().filter(|finding| waits(finding)).for_each(|finding| say(place, report, finding, fails));
 }
 
 /// Options of `replay` and `calibrate` that are of lasers alone, and of stereo cameras alone.
@@ -91,7 +93,9 @@ pub(crate) fn tell_idle(given: &Given, place: &str, report: &Report, sensor: Sen
         Sensor::Sonar => given.warn(&[&OF_LASERS[..], &OF_CAMERAS].concat(), place, "a log of sonars"),
         Sensor::Laser { .. } => {
             given.warn(&OF_CAMERAS, place, "a log of a laser");
-            if report.sensors.values().all(|sensor| sensor.name.is_empty()) {
+            if report.unit == Unit::Message {
+                given.warn(&OF_FANS, place, "a bag, whose scans say where their beams go");
+            } else if report.sensors.values().all(|sensor| sensor.name.is_empty()) {
                 given.warn(&OF_FANS, place, "a table, which has the bearing of every beam");
             }
         }
@@ -103,7 +107,7 @@ pub(crate) fn waits(finding: &Finding) -> bool {
     matches!(finding, Finding::OdometryPoses { .. })
 }
 
-fn say(place: &str, finding: &Finding, warning: bool) {
+fn say(place: &str, report: &Report, finding: &Finding, warning: bool) {
     let kind = if warning { "warning" } else { "note" };
-    note(format_args!("{kind}: {place}: {finding}"));
+    note(format_args!("{kind}: {place}: {}", finding.text(report.unit)));
 }

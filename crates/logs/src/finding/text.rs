@@ -4,6 +4,7 @@ use std::fmt;
 
 use super::Finding;
 use crate::fan::Fan;
+use crate::report::Unit;
 
 /// What makes poses jump.
 const JUMPS: &str = "is it a bad pose, a gap, centimetres for metres, two clocks, or two lasers in one table?";
@@ -20,8 +21,27 @@ fn share(count: u64, beams: u64) -> String {
     format!("{count} disparities, {:.1} % of all readings,", 100.0 * count as f64 / beams.max(1) as f64)
 }
 
+impl Finding {
+    /// A line that gives value, bound and remedy, of a log that is counted in lines or messages.
+    pub fn text(&self, unit: Unit) -> String {
+        struct Text<'a>(&'a Finding, Unit);
+        impl fmt::Display for Text<'_> {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                self.0.write(f, self.1)
+            }
+        }
+        Text(self, unit).to_string()
+    }
+}
+
 impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.write(f, Unit::Line)
+    }
+}
+
+impl Finding {
+    fn write(&self, f: &mut fmt::Formatter<'_>, unit: Unit) -> fmt::Result {
         match self {
             Self::GuessedFan { sensor, line, beams, fan, usual } => {
                 let why = match (usual, beams) {
@@ -49,7 +69,7 @@ impl fmt::Display for Finding {
             ),
             Self::Jump { step, count } => write!(
                 f,
-                "line {}: the sensor is {:.2} m from where it was at line {}, {:.2} s before, of which at most {:.2} m are plausible \
+                "{unit} {}: the sensor is {:.2} m from where it was at {unit} {}, {:.2} s before, of which at most {:.2} m are plausible \
                  ({count} such jumps): {JUMPS}",
                 step.line,
                 step.move_m,
@@ -59,7 +79,7 @@ impl fmt::Display for Finding {
             ),
             Self::Twist { step, count } => write!(
                 f,
-                "line {}: the sensor is turned by {:.0} degrees since line {}, {:.2} s before, of which at most {:.0} are plausible \
+                "{unit} {}: the sensor is turned by {:.0} degrees since {unit} {}, {:.2} s before, of which at most {:.0} are plausible \
                  ({count} such turns): {TWISTS}",
                 step.line,
                 step.turn_rad.to_degrees(),
@@ -69,9 +89,9 @@ impl fmt::Display for Finding {
             ),
             Self::StepsBack { count, largest_s, line, window } => {
                 if *largest_s > 0.0 {
-                    write!(f, "{count} steps back in time, the largest of {largest_s:.1} s at line {line}")?;
+                    write!(f, "{count} steps back in time, the largest of {largest_s:.1} s at {unit} {line}")?;
                 } else {
-                    write!(f, "{count} scans have a lower number than the one before, first at line {line}")?;
+                    write!(f, "{count} scans have a lower number than the one before, first at {unit} {line}")?;
                 }
                 let hint = "are there two clocks, or two logs in one?";
                 if *window {
@@ -82,7 +102,7 @@ impl fmt::Display for Finding {
             }
             Self::Strays { count, line, away_m } => write!(
                 f,
-                "line {line}: the pose is {} from the drive; {count} scans with such poses are left out: correct or remove them",
+                "{unit} {line}: the pose is {} from the drive; {count} scans with such poses are left out: correct or remove them",
                 kilometres(*away_m)
             ),
             Self::Gaps { scans, longest_s, from_s, most_s } => write!(
@@ -96,7 +116,17 @@ impl fmt::Display for Finding {
                     "{scans} scans stand in messages of two names, with the same ranges at the same time: each is used once"
                 )
             }
-            Self::Unplaced { scans } => {
+            Self::Bag(finding) => write!(f, "{finding}"),
+            Self::BeyondMaximum { count, beams } => write!(
+                f,
+                "{count} ranges, {:.1} % of all readings, lie beyond the range_max of their messages and say nothing (REP 117): if the driver \
+                 means no echo by them, give --max-range",
+                100.0 * *count as f64 / (*beams).max(1) as f64
+            ),
+            Self::Unplaced { scans, poses: Some(poses) } => {
+                write!(f, "{scans} scans are left out: there is no pose before and after them from {poses}")
+            }
+            Self::Unplaced { scans, poses: None } => {
                 write!(f, "{scans} scans of raw lasers are left out: there is no ODOM before and after them")
             }
             Self::ZeroDisparities { count, beams } => {

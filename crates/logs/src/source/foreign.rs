@@ -1,8 +1,7 @@
 //! Files that are no logs, told by their first bytes, with the way from them to one.
 
 const TO_TEXT: &str = "export its scans as a table (scan,time_s,x_m,y_m,theta_rad,bearing_rad,range_m)";
-const BAG: &str = "export its scans and poses as a table (scan,time_s,x_m,y_m,theta_rad,bearing_rad,range_m), such as with the \
-     Python package rosbags";
+const BAG: &str = "give its path to replay, slam or calibrate, or to Log::open";
 const UTF8: &str = "save it as UTF-8, such as with iconv -f UTF-16 -t UTF-8";
 
 /// First bytes, what they are of, and what to do.
@@ -54,7 +53,7 @@ const WORDS: &[(&str, &str, &str)] = &[
         "a log of GFS (GMapping)",
         "write its readings as FLASER lines, of which n ranges and the pose x y theta are the same",
     ),
-    ("rosbag2_bagfile_information:", "the description of a ROS 2 bag", BAG),
+    ("rosbag2_bagfile_information:", "the description of a ROS 2 bag", "give the folder in which it lies"),
     ("version https://git-lfs", "a placeholder of Git LFS", "fetch the file itself with git lfs pull"),
     ("<!DOCTYPE", "a web page", "download the file itself"),
     ("<!doctype", "a web page", "download the file itself"),

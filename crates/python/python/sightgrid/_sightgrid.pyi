@@ -218,4 +218,6 @@ def read_log(
     window: tuple[float, float] | None = None,
     min_range_m: float = 0.0,
     max_range_m: float | None = None,
+    scan: Sequence[str] = ...,
+    pose: str | None = None,
 ) -> Log: ...

@@ -10,7 +10,7 @@ use super::search::{Fit, Found};
 use crate::worlds::reading::FanArgs;
 
 /// `replay` with everything that is identified, and what the log was read with.
-pub(super) fn replay(sensor: Sensor, options: &CalibrateOptions, fit: &Fit) -> Option<Advice> {
+pub(super) fn replay(sensor: Sensor, options: &CalibrateOptions, is_bag: bool, fit: &Fit) -> Option<Advice> {
     let mut words = vec!["replay".to_owned(), quoted(&options.file.display().to_string())];
     let mut add = |name: &str, value: String| words.extend([format!("--{}", name.replace('_', "-")), value]);
     let mut any = false;
@@ -23,6 +23,8 @@ pub(super) fn replay(sensor: Sensor, options: &CalibrateOptions, fit: &Fit) -> O
         add("mappers", "visibility,visibility-dynamic".to_owned());
     }
     match sensor {
+        // The messages of a bag say which range is the last, and the option would take what lies beyond for no echo.
+        Sensor::Laser { .. } if is_bag && options.max_range.is_none() => {}
         Sensor::Laser { max_range_m, .. } => add("max-range", max_range_m.to_string()),
         Sensor::Stereo | Sensor::Sonar => {
             add("focal-baseline", options.focal_baseline.to_string());
@@ -35,6 +37,7 @@ pub(super) fn replay(sensor: Sensor, options: &CalibrateOptions, fit: &Fit) -> O
             add(name, value.to_string());
         }
     }
+    words.extend(options.bag.words().iter().map(|word| quoted(word)));
     any.then(|| Advice { to: "To use it, behind the name of this program:", line: words.join(" ") })
 }
 

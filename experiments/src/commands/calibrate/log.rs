@@ -17,6 +17,7 @@ use super::{advice, agreement, views};
 use crate::failure::Failure;
 use crate::jobs::progress::Count;
 use crate::worlds::agreement::Spread;
+use crate::worlds::source::{Asked, Source};
 use crate::worlds::{kernels, reading};
 
 /// What lies around the outermost poses and usual readings, m.
@@ -32,8 +33,12 @@ const ROUGH: u32 = 4;
 const MOST_CELLS: usize = 20_000_000;
 
 /// Fits the kernel of whatever took the log.
-pub(super) fn calibrate(options: &CalibrateOptions) -> Result<Calibration, Failure> {
-    let (whole, sensor) = read(options)?;
+///
+/// What a bag tells of its camera goes into the options. None where the topics of a bag were to be listed.
+pub(super) fn calibrate(options: &mut CalibrateOptions) -> Result<Option<Calibration>, Failure> {
+    let Some(source) = source(options)? else { return Ok(None) };
+    let options = &*options;
+    let (whole, sensor) = read(options, &source)?;
     let scans: Vec<Scan> = whole.iter().map(|scan| thinned(scan, options.beams as usize)).collect();
     let grid = cover(&scans, &*points(sensor, options), options)?;
     let readings = scans.iter().flat_map(|scan| scan.readings.iter().flatten()).count() as u64;
@@ -63,13 +68,13 @@ pub(super) fn calibrate(options: &CalibrateOptions) -> Result<Calibration, Failu
     }
     let sigma = fit.found[0].value;
     let surfaces = noise::Surfaces::of(&scans, instrument(sensor, options), sigma);
-    let (lengths, of_views) = views::of(&runs(options)?, &surfaces, sigma);
+    let (lengths, of_views) = views::of(&runs(options, &source)?, &surfaces, sigma);
     let mut notes = notes(&fit, noise.as_ref(), options.grid);
     notes.push(of_views);
     fit.found.extend(lengths);
     let about = format!("{} scans of {kind} in {}, {} readings", scans.len(), outputs::name(&options.file), readings);
-    let advice = advice::replay(sensor, options, &fit);
-    Ok(Calibration {
+    let advice = advice::replay(sensor, options, source.is_bag(), &fit);
+    Ok(Some(Calibration {
         about,
         measure: "probability of every second scan by the map that visibility makes of the others",
         readings,
@@ -77,7 +82,28 @@ pub(super) fn calibrate(options: &CalibrateOptions) -> Result<Calibration, Failu
         notes,
         advice,
         fit,
-    })
+    }))
+}
+
+/// The log, opened once; what a bag tells of its camera is taken.
+fn source(options: &mut CalibrateOptions) -> Result<Option<Source>, Failure> {
+    let asked = Asked {
+        command: "calibrate",
+        path: &options.file,
+        bag: &options.bag,
+        trajectory: None,
+        body: logs::Body::Robot,
+        focal_baseline: options.focal_baseline,
+        given: &options.given,
+    };
+    let Some(source) = Source::open(&asked)? else { return Ok(None) };
+    let mut most = options.max_disparity.unwrap_or(Stereo::default().max_disparity);
+    let usual = most;
+    source.adapt(&options.given, &mut options.focal_baseline, &mut most);
+    if most.total_cmp(&usual).is_ne() {
+        options.max_disparity = Some(most);
+    }
+    Ok(Some(source))
 }
 
 fn refused(error: logs::LogError) -> Failure {
@@ -85,26 +111,26 @@ fn refused(error: logs::LogError) -> Failure {
 }
 
 /// The log from its first scan on.
-fn opened(options: &CalibrateOptions) -> Result<Log<'static>, Failure> {
+fn opened(options: &CalibrateOptions, source: &Source) -> Result<Log<'static>, Failure> {
     let reading = logs::Options {
         max_range_m: options.max_range,
         max_disparity_px: Some(options.max_disparity.unwrap_or(Stereo::default().max_disparity)),
         fan: options.fan.fan(),
         ..logs::Options::default()
     };
-    Log::open(&options.file, &reading).map_err(refused)
+    source.log(&reading)
 }
 
 /// Runs of scans that follow each other, spread evenly over the log: all of it, where it is short.
-fn runs(options: &CalibrateOptions) -> Result<Vec<Vec<Scan>>, Failure> {
+fn runs(options: &CalibrateOptions, source: &Source) -> Result<Vec<Vec<Scan>>, Failure> {
     let mut all = 0;
-    for scan in opened(options)? {
+    for scan in opened(options, source)? {
         scan.map_err(refused)?;
         all += 1;
     }
     let count = (all / views::RUN).clamp(1, views::RUNS);
     let mut runs = vec![Vec::new(); count];
-    for (number, scan) in opened(options)?.enumerate() {
+    for (number, scan) in opened(options, source)?.enumerate() {
         let run = (number * count / all).min(count - 1);
         // The first of those that fall to it.
         if number - (run * all).div_ceil(count) < views::RUN {
@@ -115,16 +141,16 @@ fn runs(options: &CalibrateOptions) -> Result<Vec<Vec<Scan>>, Failure> {
 }
 
 /// The scans that are fitted, with all of their beams, and what took them.
-fn read(options: &CalibrateOptions) -> Result<(Vec<Scan>, Sensor), Failure> {
+fn read(options: &CalibrateOptions, source: &Source) -> Result<(Vec<Scan>, Sensor), Failure> {
     let mut all = 0;
-    for scan in opened(options)? {
+    for scan in opened(options, source)? {
         scan.map_err(refused)?;
         all += 1;
     }
     let most = u64::from(options.scans).min(all);
     // The last of every so many, also where that is no whole number.
     let takes = |number: u64| (number + 1) * most / all > number * most / all;
-    let mut log = opened(options)?;
+    let mut log = opened(options, source)?;
     let mut scans = Vec::new();
     for (number, scan) in (0u64..).zip(&mut log) {
         let scan = scan.map_err(refused)?;

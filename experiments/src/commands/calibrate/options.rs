@@ -7,6 +7,7 @@ use clap::Args;
 use crate::figures::Paper;
 use crate::output::args::{FormatOption, Given, ThreadsOption, count, positive};
 use crate::worlds::reading::FanArgs;
+use crate::worlds::source::BagArgs;
 
 /// Options of `calibrate`.
 #[derive(Debug, Args)]
@@ -36,6 +37,9 @@ pub struct CalibrateOptions {
     /// Of a log of a laser: readings from this on are no echo, m [default: what the log says, else 80]
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive)]
     pub max_range: Option<f64>,
+    /// What of a bag is read
+    #[command(flatten)]
+    pub bag: BagArgs,
     /// Where the beams go
     #[command(flatten)]
     pub fan: FanArgs,

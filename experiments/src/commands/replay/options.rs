@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
-use logs::{Report, Sensor};
+use logs::{Report, Sensor, Unit};
 use mapper::Repeats;
 
 use crate::failure::Failure;
@@ -19,6 +19,7 @@ use crate::worlds::agreement::Spread;
 use crate::worlds::kernels::{self, LaserOptions, Shared, SonarOptions, StereoOptions};
 use crate::worlds::ranked::SortOption;
 use crate::worlds::reading::{self, DAMAGED_SHARE, FanArgs, stem};
+use crate::worlds::source::BagArgs;
 
 /// Mappers where none are named: those that a robot would run, and what knows nothing.
 const MAPPERS: &str = "visibility,conventional,log-odds-octomap,log-odds-cartographer,prior";
@@ -33,14 +34,14 @@ const HEEDFUL: &str = "visibility-dynamic";
 #[derive(Debug, Args)]
 #[command(after_long_help = FORMATS)]
 pub struct ReplayOptions {
-    /// CARMEN log or table of scans, plain, gzip or bzip2; its forms: replay --help
+    /// CARMEN log or table of scans, plain, gzip or bzip2, or a bag of ROS (.bag, .mcap, .db3, folder); its forms: replay --help
     #[arg(value_name = "LOG")]
     pub log: PathBuf,
     /// Poses instead of the log's (time x y z qx qy qz qw, the TUM format), by the log's own clock; other forms: replay --help
     #[arg(long, value_name = "FILE")]
     pub trajectory: Option<PathBuf>,
     /// What the trajectory is of
-    #[arg(long, value_enum, default_value_t, requires = "trajectory")]
+    #[arg(long, value_enum, default_value_t)]
     pub body: Body,
     /// Gaps without poses up to this are bridged, s; scans in longer ones are not used
     #[arg(long, value_name = "S", default_value_t = 1.0, allow_negative_numbers = true, value_parser = positive)]
@@ -87,6 +88,9 @@ pub struct ReplayOptions {
     /// Share of damaged lines above which the log is refused
     #[arg(long, value_name = "P", default_value_t = DAMAGED_SHARE, allow_negative_numbers = true, value_parser = probability)]
     pub damaged_share: f64,
+    /// What of a bag is read
+    #[command(flatten)]
+    pub bag: BagArgs,
     /// Where the beams go
     #[command(flatten)]
     pub fan: FanArgs,
@@ -192,7 +196,11 @@ impl ReplayOptions {
     /// Warns of options that have no effect on this log.
     pub(super) fn tell_idle(&self, place: &str, report: &Report, sensor: Sensor) {
         reading::tell_idle(&self.given, place, report, sensor);
-        if self.trajectory.is_none() && report.sensors.values().all(|sensor| !sensor.name.starts_with("RAWLASER")) {
+        let is_bag = report.unit == Unit::Message;
+        if self.trajectory.is_none()
+            && !is_bag
+            && report.sensors.values().all(|sensor| !sensor.name.starts_with("RAWLASER"))
+        {
             self.given.warn(&["max_gap"], place, "a log that has poses of its own");
         }
         if !self.mappers.iter().any(|mapper| mapper == HEEDFUL) {
@@ -223,6 +231,11 @@ tables (CSV; also with semicolons, tabs or blanks) with the columns scan,x_m,y_m
 sensor if there are several; range_m is inf where no echo came back, and empty, NaN, 0 or negative where a beam says nothing. Logs of \
 stereo cameras: such tables with disparity_px, as `room` writes them (scans.csv); no match is empty, NaN, 0, negative, or above --max-disparity. \
 Logs of sonars: such tables with sonar_m, a row for each cone. A table may have several of these columns, each sensor its own; what sensors read at one time is one scan.
+
+Bags of ROS 1 (.bag, format 2.0) and ROS 2 (.mcap, .db3, or the folder of either): LaserScan, DisparityImage and Image of depths (16UC1, 32FC1, with \
+CameraInfo) are scans, each topic a sensor; Odometry, PoseStamped, PoseWithCovarianceStamped and TF are poses, and TF says where sensors stand on the \
+robot. --topics lists what there is. Of an image the row at the axis of the camera is read, a beam per column; --rows takes the nearest of several. \
+A camera of depths is taken for a stereo camera of --focal-baseline.
 
 Costmaps (--footprint) are NAME-footprint.yaml with .pgm in mode raw, 0 to 100, for nav2_map_server and a static layer with \
 trinary_costmap: false and lethal_cost_threshold: 50. Walls that are known to lie somewhere among a few cells are obstacles in them, and no inflation by \

@@ -188,7 +188,7 @@ pub(super) fn left_out(report: &Report) -> Vec<(&'static str, u64)> {
         ("outside the time window", report.outside_window),
         ("outside the trajectory", report.outside_trajectory),
         ("in gaps without poses", report.in_gaps),
-        ("without odometry", report.unplaced),
+        (if report.poses.is_some() { "without a pose" } else { "without odometry" }, report.unplaced),
         ("far from all others", report.strays),
         ("left out by --every, --least-move, --least-turn", report.thinned),
     ];
@@ -225,6 +225,7 @@ fn configuration(told: &Told) -> Value {
     // What is seldom asked for stands there where it was.
     let rare = [
         ("body", (options.body == Body::Robot).then(|| json!("robot"))),
+        ("bag", options.bag.record()),
         ("given_max_range_m", options.max_range.map(|max_range_m| json!(max_range_m))),
         (
             "repeat_distance_m",
@@ -258,7 +259,7 @@ fn findings(told: &Told) -> Value {
             |step| json!({"line": step.line, "move_m": step.move_m, "turn_rad": step.turn_rad, "time_s": step.time_s}),
         )
     };
-    let said = |finding: logs::Finding| json!({"warning": finding.is_warning() || (fails && reading::waits(&finding)), "text": finding.to_string()});
+    let said = |finding: logs::Finding| json!({"warning": finding.is_warning() || (fails && reading::waits(&finding)), "text": finding.text(report.unit)});
     json!({
         "said": report.findings().into_iter().map(said).collect::<Vec<_>>(),
         "longest_move": step(report.motion.longest),
@@ -320,9 +321,9 @@ pub(super) fn text(told: &Told) -> String {
         });
     }
     if report.damaged > 0 {
-        let _ = writeln!(text, "{} damaged lines were skipped; the first:", report.damaged);
+        let _ = writeln!(text, "{} damaged {}s were skipped; the first:", report.damaged, report.unit);
         report.problems.iter().take(3).for_each(|problem| {
-            let _ = writeln!(text, "  line {}: {}", problem.line, problem.reason);
+            let _ = writeln!(text, "  {} {}: {}", report.unit, problem.line, problem.reason);
         });
     }
     if let Some(longest_m) = report.suspected_max_range_m() {

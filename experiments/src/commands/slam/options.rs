@@ -17,12 +17,13 @@ use crate::worlds::bound::{Bound, bound};
 use crate::worlds::kernels::{LaserOptions, StereoOptions};
 use crate::worlds::odometry::noise;
 use crate::worlds::reading::{DAMAGED_SHARE, FanArgs, stem};
+use crate::worlds::source::BagArgs;
 use crate::worlds::weighing::Weighing;
 
 /// Options of `slam`.
 #[derive(Debug, Args)]
 pub struct SlamOptions {
-    /// Log with odometry (CARMEN, or a table with odom_x_m, odom_y_m, odom_theta_rad), or a scene that has odometry; forms of logs: replay --help
+    /// Log with odometry (CARMEN, a table with odom_x_m, odom_y_m, odom_theta_rad, or a bag of ROS), or a scene that has odometry; forms of logs: replay --help
     #[arg(value_name = "LOG|SCENE")]
     pub source: PathBuf,
     /// Ways that the robot may have gone, which are followed at once
@@ -85,6 +86,9 @@ pub struct SlamOptions {
     /// Share of damaged lines above which the log is refused
     #[arg(long, value_name = "P", default_value_t = DAMAGED_SHARE, allow_negative_numbers = true, value_parser = probability)]
     pub damaged_share: f64,
+    /// What of a bag is read
+    #[command(flatten)]
+    pub bag: BagArgs,
     /// Where the beams go
     #[command(flatten)]
     pub fan: FanArgs,

@@ -1,6 +1,6 @@
 //! Scans with odometry: from a log, or from a scene that is simulated.
 
-use logs::{Log, LogError, Report, Sensor};
+use logs::{LogError, Report, Sensor};
 use mapper::Model;
 use score::trajectory::Stamped;
 use sensor::{FeatureCamera, FeatureReading, Pose, Scan};
@@ -12,6 +12,7 @@ use crate::worlds::kernels;
 use crate::worlds::landmarks;
 use crate::worlds::scenes;
 use crate::worlds::site::{Assumptions, Site, camera_alone};
+use crate::worlds::source::{self, Asked};
 use crate::worlds::track::stamped;
 
 /// Side of a cell of a log's map, m.
@@ -51,10 +52,26 @@ pub(super) struct Source {
 }
 
 impl Source {
-    pub(super) fn of(options: &SlamOptions) -> Result<Self, Failure> {
+    /// None where the topics of a bag were to be listed. What a bag tells of its camera goes into the options.
+    pub(super) fn of(options: &mut SlamOptions) -> Result<Option<Self>, Failure> {
         let (path, is_scene) = scenes::or_file(&options.source);
         let place = path.display().to_string();
-        if is_scene { Self::of_scene(options, &path, place) } else { Self::of_log(options, place) }
+        if is_scene {
+            return Self::of_scene(options, &path, place).map(Some);
+        }
+        let asked = Asked {
+            command: "slam",
+            path: &options.source,
+            bag: &options.bag,
+            trajectory: None,
+            body: logs::Body::Robot,
+            focal_baseline: options.stereo.focal_baseline,
+            given: &options.given,
+        };
+        let Some(source) = source::Source::open(&asked)? else { return Ok(None) };
+        let stereo = &mut options.stereo;
+        source.adapt(&options.given, &mut stereo.focal_baseline, &mut stereo.max_disparity);
+        Self::of_log(options, &source, place).map(Some)
     }
 
     fn of_scene(options: &SlamOptions, path: &std::path::Path, place: String) -> Result<Self, Failure> {
@@ -92,20 +109,22 @@ impl Source {
         Ok(Self { place, scans, model: setup, truth: Some(truth), camera, report: None })
     }
 
-    fn of_log(options: &SlamOptions, place: String) -> Result<Self, Failure> {
+    fn of_log(options: &SlamOptions, source: &source::Source, place: String) -> Result<Self, Failure> {
         if options.landmarks {
             return Err(Failure::BadInput(format!(
                 "--landmarks: {place} is a log, whose scans have no features; give a scene, or a table of features to `features`"
             )));
         }
         let refused = |error: LogError| Failure::BadInput(error.to_string());
-        let mut log = Log::open(&options.source, &options.reading()).map_err(refused)?;
+        let mut log = source.log(&options.reading())?;
         let kind = log.sensor();
         let mut scans: Vec<Taken> = Vec::new();
         let mut back = 0usize;
         while let Some(event) = log.next_event() {
             let event = event.map_err(refused)?;
-            let Some(odometry) = event.odometry else {
+            // The file of --pose is the odometry of a bag.
+            let odometry = if source.is_along() { Some(event.scan.pose) } else { event.odometry };
+            let Some(odometry) = odometry else {
                 return Err(Failure::BadInput(format!(
                     "{place}, line {}: the scan has no pose by odometry, which slam needs of every scan; give a CARMEN log, or a table with \
                      odom_x_m, odom_y_m and odom_theta_rad, or map the poses that it has with `replay`",
