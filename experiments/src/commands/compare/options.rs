@@ -37,7 +37,7 @@ pub struct CompareOptions {
     /// Batch mappers run on the first N of them only [default: a third]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(0..=10_000))]
     pub batch_seeds: Option<u32>,
-    /// Mappers, comma-separated; visibility, which all are compared with, must be among them [default: all but some as published of which there are fitted ones, and those for a world that moves, see `list`]
+    /// Mappers, comma-separated; visibility, which all are compared with, must be among them [default: all but some as published of which there are fitted ones, and those for a world that moves or for several sensors, see `list`]
     #[arg(long, value_name = "A,B", value_delimiter = ',', value_parser = trimmed)]
     pub mappers: Vec<String>,
     /// Programs of one's own that are compared too

@@ -223,10 +223,22 @@ fn conditions(options: &CompareOptions) -> Result<Vec<&'static str>, Failure> {
     Ok(departures().filter(chosen).map(|condition| condition.name).collect())
 }
 
-/// Mappers that stand in no table unless they are named: rules as published of which the table has the fitted ones, and rules for a
-/// world that moves, which the worlds of this comparison do not.
-pub const ON_REQUEST: [&str; 7] =
-    ["hit-count-gmapping", "hit-count-karto", "tsdf", "mrpt-widening", "wavemap", "log-odds-decay", "dynamic-grid"];
+/// Mappers that stand in no table unless they are named: rules as published of which the table has the fitted ones, rules for a
+/// world that moves, which the worlds of this comparison do not, and rules for several sensors, which most robots here have not.
+pub const ON_REQUEST: [&str; 12] = [
+    "hit-count-gmapping",
+    "hit-count-karto",
+    "tsdf",
+    "mrpt-widening",
+    "wavemap",
+    "log-odds-decay",
+    "dynamic-grid",
+    "sonar-moravec",
+    "visibility-pool",
+    "visibility-maximum",
+    "octomap-maximum",
+    "miura-2002",
+];
 
 fn on_request(entry: &Entry) -> bool {
     ON_REQUEST.contains(&entry.name)
