@@ -25,6 +25,7 @@ pub mod schema;
 pub mod seen;
 pub mod shipped;
 pub mod site;
+pub mod suites;
 pub mod track;
 pub mod weighing;
 pub mod witness;

@@ -3,6 +3,7 @@
 use sensor::{Matcher, Mismatches};
 
 use super::poses::WrongPoses;
+use super::suites::{Carried, SUITES};
 
 /// How the simulated world differs from the one that the mappers assume.
 #[derive(Clone, Copy)]
@@ -19,6 +20,8 @@ pub struct Condition {
     pub people_per_100_m2: Option<[f64; 2]>,
     /// How wrong the poses are that all mappers are told.
     pub poses: WrongPoses,
+    /// What the robot carries in the place of its own sensors, in a world with panes and legs; none where it carries its own.
+    pub suite: Option<&'static [Carried]>,
 }
 
 impl Condition {
@@ -36,6 +39,7 @@ pub const AS_BELIEVED: Condition = Condition {
     camera: |_| {},
     people_per_100_m2: None,
     poses: WrongPoses::NONE,
+    suite: None,
 };
 
 /// The robustness set, unless others are asked for: one thing differs at a time.
@@ -103,7 +107,7 @@ pub fn departures() -> impl Iterator<Item = &'static Condition> {
     DEPARTURES.iter().chain(ON_REQUEST)
 }
 
-/// The condition of the given name.
+/// The condition of the given name, suites of sensors among them.
 pub fn condition(name: &str) -> Option<&'static Condition> {
-    [&AS_BELIEVED].into_iter().chain(departures()).find(|condition| condition.name == name)
+    [&AS_BELIEVED].into_iter().chain(departures()).chain(&SUITES).find(|condition| condition.name == name)
 }
