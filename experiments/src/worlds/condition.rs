@@ -3,7 +3,6 @@
 use sensor::{Matcher, Mismatches};
 
 use super::poses::WrongPoses;
-use super::suites::{Carried, SUITES};
 
 /// How the simulated world differs from the one that the mappers assume.
 #[derive(Clone, Copy)]
@@ -22,6 +21,17 @@ pub struct Condition {
     pub poses: WrongPoses,
     /// What the robot carries in the place of its own sensors, in a world with panes and legs; none where it carries its own.
     pub suite: Option<&'static [Carried]>,
+}
+
+/// A sensor of the robots of the set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Carried {
+    /// The stereo camera of the family.
+    Camera,
+    /// A laser of 90 beams over 180 degrees, 0.1 m ahead of the robot's middle.
+    Laser,
+    /// A ring of 16 sonars.
+    Sonar,
 }
 
 impl Condition {
@@ -98,6 +108,25 @@ pub const DRIFT: Condition = Condition {
     poses: WrongPoses { drift: 1.0, ..WrongPoses::NONE },
     ..AS_BELIEVED
 };
+
+/// Every sensor alone, every pair, and all three.
+pub const SUITES: [Condition; 7] = [
+    suite("camera", "the stereo camera alone", &[Carried::Camera]),
+    suite("laser", "a laser alone", &[Carried::Laser]),
+    suite("sonar", "a ring of sonars alone", &[Carried::Sonar]),
+    suite("camera-laser", "the stereo camera and a laser", &[Carried::Camera, Carried::Laser]),
+    suite("camera-sonar", "the stereo camera and a ring of sonars", &[Carried::Camera, Carried::Sonar]),
+    suite("laser-sonar", "a laser and a ring of sonars", &[Carried::Laser, Carried::Sonar]),
+    suite(
+        "all-three",
+        "the stereo camera, a laser and a ring of sonars",
+        &[Carried::Camera, Carried::Laser, Carried::Sonar],
+    ),
+];
+
+const fn suite(name: &'static str, summary: &'static str, suite: &'static [Carried]) -> Condition {
+    Condition { name, summary, suite: Some(suite), ..AS_BELIEVED }
+}
 
 /// The departures that are compared where they are asked for.
 pub const ON_REQUEST: [&Condition; 3] = [&PEOPLE, &POSES, &DRIFT];

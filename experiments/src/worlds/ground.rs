@@ -8,7 +8,7 @@ use score::navigation::Planning;
 
 use super::drives::DriveOptions;
 use super::poses::WrongPoses;
-use super::suites::Sensed;
+use super::sensed::Sensed;
 use super::yard::Yards;
 use crate::failure::Failure;
 

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::condition::{Condition, condition};
 use super::ground::Ground;
-use super::suites::{self, Sensed};
+use super::suites;
 use crate::failure::Failure;
 use crate::output::args::PriorOptions;
 
@@ -92,7 +92,7 @@ impl Site {
         let sensed = condition.suite.map(|suite| {
             let camera = scene.camera;
             let furnished = suites::equip(&mut scene, suite);
-            Sensed::of(&scene, &furnished, camera, assumed.prior.occupancy)
+            suites::sensed(&scene, &furnished, camera, assumed.prior.occupancy)
         });
         let Assumptions { prior, reconciliation, tuning, max_range_m, camera } = assumed.clone();
         let camera = Arc::new(camera.unwrap_or(scene.matcher.stereo));

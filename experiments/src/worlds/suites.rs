@@ -1,66 +1,17 @@
 //! Robots with one, two or three sensors, in one world with panes of glass and thin legs: what a second sensor is worth.
 
-use grid::Raster;
 use scene::{Mounted, Scene, SeenBy, Shape};
 use score::Region;
 use sensor::{Camera, Device, Laser, Pose, SensorKind, Sonar};
 
-use super::condition::{AS_BELIEVED, Condition};
+use super::condition::Carried;
 use super::ground::Ground;
+use super::sensed::Sensed;
 use super::witness::Witness;
 use crate::failure::Failure;
 
-/// A sensor of the robots of the set.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Carried {
-    /// The stereo camera of the family.
-    Camera,
-    /// A laser of 90 beams over 180 degrees, 0.1 m ahead of the robot's middle.
-    Laser,
-    /// A ring of 16 sonars.
-    Sonar,
-}
-
-use Carried::{Camera as C, Laser as L, Sonar as S};
-
-const fn of(name: &'static str, summary: &'static str, suite: &'static [Carried]) -> Condition {
-    Condition { name, summary, suite: Some(suite), ..AS_BELIEVED }
-}
-
-/// Every sensor alone, every pair, and all three.
-pub const SUITES: [Condition; 7] = [
-    of("camera", "the stereo camera alone", &[C]),
-    of("laser", "a laser alone", &[L]),
-    of("sonar", "a ring of sonars alone", &[S]),
-    of("camera-laser", "the stereo camera and a laser", &[C, L]),
-    of("camera-sonar", "the stereo camera and a ring of sonars", &[C, S]),
-    of("laser-sonar", "a laser and a ring of sonars", &[L, S]),
-    of("all-three", "the stereo camera, a laser and a ring of sonars", &[C, L, S]),
-];
-
-/// What any of the three sensors can see: the same cells for every suite.
-pub const IN_REACH: &str = "in-reach";
-
-/// Panes of glass, of which one beam in ten and one column in twenty find the frame.
-pub const GLASS: &str = "glass";
-
-/// Legs of 6 cm, on which every second beam ends.
-pub const LEGS: &str = "legs";
-
-/// The regions of worlds of the set, beside those that follow from the rays of a suite.
-pub const REGIONS: [&str; 3] = [IN_REACH, GLASS, LEGS];
-
 /// Radius of a leg, m.
 const LEG_M: f64 = 0.03;
-
-/// What the sensors of all suites have in common to be judged by.
-#[derive(Debug, Clone)]
-pub struct Sensed {
-    /// The surfaces that any of them can see.
-    pub surface: Raster<bool>,
-    /// The cells of each of [`REGIONS`].
-    pub regions: [Raster<bool>; 3],
-}
 
 /// Obstacles that not every reading ends on, by their numbers in the scene.
 #[derive(Debug, Default)]
@@ -93,7 +44,7 @@ pub(super) fn equip(scene: &mut Scene, suite: &[Carried]) -> Furnished {
             _ => {}
         }
     }
-    if !suite.contains(&C) {
+    if !suite.contains(&Carried::Camera) {
         scene.camera = Camera { columns: 0, ..scene.camera };
     }
     let mounted = |carried: &Carried| match carried {
@@ -131,43 +82,37 @@ fn sonars() -> Mounted {
     }
 }
 
-impl Sensed {
-    /// What a robot with all three sensors, of this camera, can see of a scene that is equipped.
-    ///
-    /// # Errors
-    /// A route that is blocked.
-    pub(super) fn of(scene: &Scene, furnished: &Furnished, camera: Camera, prior: f64) -> Result<Self, Failure> {
-        let mut scene = scene.clone();
-        (scene.camera, scene.sensors) = (camera, vec![laser(), sonars()]);
-        let covered = |numbers: &[usize]| {
-            let mut only = scene.clone();
-            only.obstacles = numbers.iter().map(|number| scene.obstacles[*number].clone()).collect();
-            scene::truth(&only).map(|occupied| *occupied == Some(true))
-        };
-        let [glass, legs] = [&furnished.glass, &furnished.legs].map(|numbers| covered(numbers));
-        let ground = Ground::new(scene, prior)?;
-        // What could be seen is without noise: any seed.
-        let simulation = scene::simulate(&ground.scene, &ground.world, &ground.drive, 0);
-        let mut witness = Witness::new(&ground);
-        simulation.scans.iter().enumerate().try_for_each(|(k, scan)| witness.look(&ground, k, scan))?;
-        let regions = [witness.seen.mask(Region::Observable), glass, legs];
-        Ok(Self { surface: witness.seen.surface().clone(), regions })
-    }
-
-    /// The regions by name.
-    pub fn by_name(&self) -> impl Iterator<Item = (&'static str, &Raster<bool>)> {
-        REGIONS.into_iter().zip(&self.regions)
-    }
+/// What a robot with all three sensors, of this camera, can see of a scene that is equipped.
+///
+/// # Errors
+/// A route that is blocked.
+pub(super) fn sensed(scene: &Scene, furnished: &Furnished, camera: Camera, prior: f64) -> Result<Sensed, Failure> {
+    let mut scene = scene.clone();
+    (scene.camera, scene.sensors) = (camera, vec![laser(), sonars()]);
+    let covered = |numbers: &[usize]| {
+        let mut only = scene.clone();
+        only.obstacles = numbers.iter().map(|number| scene.obstacles[*number].clone()).collect();
+        scene::truth(&only).map(|occupied| *occupied == Some(true))
+    };
+    let [glass, legs] = [&furnished.glass, &furnished.legs].map(|numbers| covered(numbers));
+    let ground = Ground::new(scene, prior)?;
+    // What could be seen is without noise: any seed.
+    let simulation = scene::simulate(&ground.scene, &ground.world, &ground.drive, 0);
+    let mut witness = Witness::new(&ground);
+    simulation.scans.iter().enumerate().try_for_each(|(k, scan)| witness.look(&ground, k, scan))?;
+    let regions = [witness.seen.mask(Region::Observable), glass, legs];
+    Ok(Sensed { surface: witness.seen.surface().clone(), regions })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::worlds::shipped;
+    use crate::worlds::condition::SUITES;
     use crate::worlds::site::{Assumptions, Site, WorldId};
 
     fn site(condition: &str) -> Site {
-        let family = shipped::family("clutter");
+        let text = include_str!("../../../scenes/clutter.toml");
+        let family = scene::Family::parse(text, std::path::Path::new("clutter.toml")).expect("a family");
         let world = WorldId { family: "clutter".into(), condition: condition.into(), cell_um: None, seed: 1 };
         Site::of_family(&family, &world, &Assumptions::default()).expect("a site")
     }
@@ -182,8 +127,8 @@ mod tests {
             assert_eq!((&sensed.surface, &sensed.regions), (&all.surface, &all.regions), "{}", suite.name);
             assert_eq!(site.ground.truth, sites[0].ground.truth);
             let carried = suite.suite.expect("a suite");
-            assert_eq!(site.ground.scene.camera.columns > 0, carried.contains(&C));
-            assert_eq!(site.ground.scene.sensors.len(), carried.iter().filter(|one| **one != C).count());
+            assert_eq!(site.ground.scene.camera.columns > 0, carried.contains(&Carried::Camera));
+            assert_eq!(site.ground.scene.sensors.len(), carried.iter().filter(|one| **one != Carried::Camera).count());
             assert_eq!(site.setup.sensors.iter().len(), 1 + site.ground.scene.sensors.len());
         }
         for (name, mask) in all.by_name() {

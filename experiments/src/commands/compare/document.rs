@@ -17,7 +17,7 @@ use super::worlds::{self, WorldScore};
 use crate::failure::Failure;
 use crate::page::{Cell, Page, Part, Picture, Section, Sheet, Viewer, command_line};
 use crate::worlds::claims::{self, Claim};
-use crate::worlds::suites;
+use crate::worlds::sensed;
 
 /// The sections, with those of the pictures that there are.
 pub fn sections(plan: &Plan, rows: &Rows, pictures: &[Picture]) -> Vec<Section> {
@@ -36,7 +36,7 @@ pub fn sections(plan: &Plan, rows: &Rows, pictures: &[Picture]) -> Vec<Section> 
     }
     let shown = |region: &&str| rows.means.iter().any(|mean| mean.region == **region);
     let regions = Region::ALL.iter().map(|region| region.name());
-    let others = MovingRegion::ALL.iter().map(|region| region.name()).chain(suites::REGIONS);
+    let others = MovingRegion::ALL.iter().map(|region| region.name()).chain(sensed::REGIONS);
     let regions = regions.chain(others.filter(shown));
     places.extend(regions.map(|region| region_fold(rows, &mappers, region)));
     let mut trust = Vec::new();

@@ -10,13 +10,12 @@ use super::options::{CompareOptions, Worlds};
 use super::world::WorldJob;
 use crate::failure::Failure;
 use crate::programs::options::ProgramRecord;
-use crate::worlds::condition::{AS_BELIEVED, Condition, DEPARTURES, DRIFT, PEOPLE, POSES, departures};
+use crate::worlds::condition::{AS_BELIEVED, Condition, DEPARTURES, DRIFT, PEOPLE, POSES, SUITES, departures};
 use crate::worlds::drives::DriveOptions;
 use crate::worlds::ground::Driven;
 use crate::worlds::mappers::{entries, own};
 use crate::worlds::scenes::families;
 use crate::worlds::site::{Assumptions, Site, WorldId};
-use crate::worlds::suites::SUITES;
 
 /// The mapper that all are compared with.
 pub const REFERENCE: &str = "visibility";

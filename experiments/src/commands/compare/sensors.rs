@@ -11,8 +11,9 @@ use super::world::{WorldScores, judged_in};
 use crate::failure::Failure;
 use crate::output::table::{Table, optional};
 use crate::page::{Cell, Sheet, Tone};
+use crate::worlds::condition::SUITES;
 use crate::worlds::criteria::{Criterion, criterion};
-use crate::worlds::suites::{GLASS, IN_REACH, LEGS, REGIONS, SUITES};
+use crate::worlds::sensed::{GLASS, IN_REACH, LEGS, REGIONS};
 
 /// The metrics of the table.
 const BY: [&str; 4] = ["log_loss", "brier", "recall_50", "free_known"];

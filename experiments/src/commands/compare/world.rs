@@ -12,8 +12,8 @@ use crate::failure::Failure;
 use crate::worlds::criteria::{CRITERIA, Criterion, MOVING};
 use crate::worlds::ground::Ground;
 use crate::worlds::run::{Keep, Run, Trial};
+use crate::worlds::sensed;
 use crate::worlds::site::{Site, WorldId};
-use crate::worlds::suites;
 
 /// A world to map and score.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -54,7 +54,7 @@ pub struct AtRest {
 pub struct MapScores {
     /// Name of the mapper.
     pub mapper: String,
-    /// One per region, in the order of [`Region::ALL`] and, where the world moves, of [`MovingRegion::ALL`]; of suites of sensors, [`suites::REGIONS`] too.
+    /// One per region, in the order of [`Region::ALL`] and, where the world moves, of [`MovingRegion::ALL`]; of suites of sensors, [`sensed::REGIONS`] too.
     pub regions: Vec<RegionScores>,
     /// Reliability over the observable region, see [`score::PROBABILITY_EDGES`].
     pub reliability: Vec<ProbabilityBin>,
@@ -170,7 +170,7 @@ impl MapScores {
 /// The regions that maps are scored in and the metrics that they are scored by: where nothing moves or where something does, and of suites of sensors.
 fn judged(moves: bool, suites: bool) -> (Vec<&'static str>, Vec<&'static Criterion>) {
     let (regions, metrics) = if moves { (&MovingRegion::ALL[..], &MOVING[..]) } else { (&[][..], &[][..]) };
-    let of_suites = if suites { &suites::REGIONS[..] } else { &[] };
+    let of_suites = if suites { &sensed::REGIONS[..] } else { &[] };
     let names = Region::ALL.iter().map(|region| region.name()).chain(regions.iter().map(|region| region.name()));
     (names.chain(of_suites.iter().copied()).collect(), CRITERIA.iter().chain(metrics).collect())
 }
@@ -179,7 +179,7 @@ fn judged(moves: bool, suites: bool) -> (Vec<&'static str>, Vec<&'static Criteri
 pub fn judged_in(worlds: &[WorldScores]) -> (Vec<&'static str>, Vec<&'static Criterion>) {
     let maps = || worlds.iter().flat_map(|world| &world.maps);
     let any = |region: &str| maps().any(|map| map.regions.iter().any(|scores| scores.region == region));
-    judged(any(MovingRegion::Static.name()), any(suites::IN_REACH))
+    judged(any(MovingRegion::Static.name()), any(sensed::IN_REACH))
 }
 
 impl WorldScores {
