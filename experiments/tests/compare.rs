@@ -267,6 +267,71 @@ fn a_claim_that_does_not_hold_is_exit_code_3_and_says_which() {
     assert!(place.path("o/report.html").exists(), "the results are there to look into");
 }
 
+/// Sensors of a robot besides its camera.
+const LASER: &str = "[[sensor]]\nkind = \"laser\"\nbeams = 12\nmax_range = 8.0\n[robot]";
+
+/// Seven suites of every layout, over the same cells, and several held against the better one alone.
+#[test]
+fn the_set_of_sensors_tells_what_a_second_one_is_worth() {
+    let place = Place::new();
+    let words = ["--set", "sensors", "--seeds", "2", "--mappers", "visibility,visibility-pool", "--plan-pairs", "20"];
+    let (out, _) = place.expect(0, &[&words[..], &["--out", "o"]].concat());
+    for said in
+        ["sensors set, 1 family x 7 conditions x 2 seeds = 14 worlds", "log loss by sensors", "minus the better"]
+    {
+        assert!(out.contains(said), "{said}: {out}");
+    }
+    let table = fs::read_to_string(place.path("o/sensors.csv")).expect("written");
+    let rows: Vec<Vec<&str>> = table.lines().skip(1).map(|line| line.split(',').collect()).collect();
+    let of = |region: &str, suite: &str| -> &Vec<&str> {
+        let is = |row: &&Vec<&str>| row[..5] == ["all", region, "log_loss", "visibility", suite];
+        rows.iter().find(is).expect("a row")
+    };
+    let mean = |suite: &str| of("in-reach", suite)[6].parse::<f64>().expect("a mean");
+    let alone = ["camera", "laser"].map(mean);
+    let both = of("in-reach", "camera-laser");
+    let better = if alone[0] < alone[1] { "camera" } else { "laser" };
+    assert_eq!(both[7], better);
+    let difference: f64 = both[8].parse().expect("a difference");
+    assert!((difference - (mean("camera-laser") - mean(better))).abs() < 2e-4);
+    let [high, margin] = [10, 11].map(|column: usize| both[column].parse::<f64>().expect("a number"));
+    assert_eq!(both[12], (high < margin).to_string());
+    assert_eq!(of("in-reach", "laser")[7..], [""; 6], "one alone is held against nothing");
+    let scores = fs::read_to_string(place.path("o/scores-visibility.csv")).expect("written");
+    let cells = |suite: &str| -> Vec<String> {
+        let lines = scores.lines().filter(|line| line.starts_with(suite) && line.contains(",in-reach,"));
+        lines.map(|line| line.split(',').nth(5).expect("cells").to_owned()).collect()
+    };
+    assert!(cells("camera,") == cells("sonar,") && cells("laser,") == cells("all-three,"));
+    assert_eq!(cells("camera,").len(), 2);
+    // The page is made anew from the folder alone.
+    let page = fs::read(place.path("o/report.html")).expect("written");
+    let mut report = Command::new(env!("CARGO_BIN_EXE_experiments"));
+    let done = report.current_dir(place.folder.path()).args(["report", "o"]).output().expect("runs");
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    assert!(fs::read(place.path("o/report.html")).expect("written") == page, "the same page");
+}
+
+/// A robot that carries a laser beside its camera is compared like any other, standing still too.
+#[test]
+fn a_robot_with_several_sensors_is_compared() {
+    let place = Place::new();
+    fs::write(place.path("nook.toml"), FAMILY.replace("[robot]", LASER)).expect("writable");
+    place.expect(0, &["--quick", "--seeds", "2", "--mappers", "visibility,visibility-pool", "--out", "o"]);
+    let repeats = fs::read_to_string(place.path("o/repeats.csv")).expect("written");
+    assert!(repeats.lines().any(|line| line.contains(",driven,")), "{repeats}");
+    let (_, err) = place.expect(2, &["--set", "sensors", "--out", "p"]);
+    assert!(
+        err.contains("nook.toml: its robot carries sensors of [[sensor]], and the set sensors has its own"),
+        "{err}"
+    );
+    let blind = FAMILY.replace("[camera]\ncolumns = 24\nfield_of_view_deg = 80.0\n", "");
+    fs::write(place.path("nook.toml"), blind.replace("[robot]", LASER)).expect("writable");
+    let (_, err) = place.expect(2, &["--set", "robustness", "--seeds", "1", "--out", "p"]);
+    assert!(err.contains("nook.toml: its robot has no [camera], whose noise the condition match-0.6 changes"), "{err}");
+    assert!(!place.path("p").exists());
+}
+
 #[test]
 fn bad_options_are_refused_before_any_work() {
     let place = Place::new();
@@ -289,6 +354,7 @@ fn bad_options_are_refused_before_any_work() {
     refused(&["--seeds", "10001"], "1..=10000");
     refused(&["--batch-seeds", "-1"], "--batch-seeds");
     refused(&["--set", "tests"], "robustness");
+    refused(&["--set", "sensors", "--conditions", "sigma-2"], "--conditions sigma-2: worlds of the sensors set");
     refused(&["--threads", "0"], "--threads");
     refused(&["--prior", "2"], "must be a number from 0 to 1");
     fs::write(place.path("file"), "in the way").expect("writable");

@@ -12,6 +12,7 @@ use crate::rules::conventional::{Conventional, ConventionalRule};
 use crate::rules::decay::Decay;
 use crate::rules::dynamic_grid::DynamicGrid;
 use crate::rules::forward_em::ForwardEm;
+use crate::rules::fusion::{Fusion, PerSensor};
 use crate::rules::hit_count::{HitCount, HitCounter};
 use crate::rules::log_odds::{ConstantIncrements, LogOdds};
 use crate::rules::mrf::{Field, Mrf};
@@ -19,6 +20,7 @@ use crate::rules::no_occlusion::NoOcclusion;
 use crate::rules::range_cut::{ConventionalCut, RangeCut};
 use crate::rules::repeats::OnlyNews;
 use crate::rules::signed_distance::{SignedDistance, SignedDistances};
+use crate::rules::sonar_profile::SonarProfiles;
 use crate::rules::unseen::Unseen;
 use crate::rules::visibility::Visibility;
 use crate::rules::widening_beams::{WideningBeams, WideningBeamsMapper};
@@ -223,6 +225,47 @@ pub const MAPPERS: &[Entry] = &[
         build: &|model| Box::new(ContinuousRays::new(model, ContinuousRay::TUNED.tuned(&model.tuning))),
     },
     Entry {
+        name: "sonar-moravec",
+        summary: "an empty sector and an arc that is occupied somewhere: the first profile of sonars",
+        source: "Moravec and Elfes 1985; Moravec 1988",
+        kind: Kind::Online,
+        build: &|model| Box::new(SonarProfiles::new(model)),
+    },
+    Entry {
+        name: "visibility-pool",
+        summary: "a map of every sensor by visibility, log odds added",
+        source: "independent opinion pool: Berger 1985",
+        kind: Kind::Online,
+        build: &|model| Box::new(PerSensor::new(model, Fusion::Pool, &visibility)),
+    },
+    Entry {
+        name: "visibility-maximum",
+        summary: "a map of every sensor by visibility, of which the greatest counts",
+        source: "costmap_2d 1.17",
+        kind: Kind::Online,
+        build: &|model| Box::new(PerSensor::new(model, Fusion::Maximum, &visibility)),
+    },
+    Entry {
+        name: "octomap-maximum",
+        summary: "a map of every sensor by OctoMap's increments, of which the greatest counts",
+        source: "Hornung et al. 2013; costmap_2d 1.17",
+        kind: Kind::Online,
+        build: &|model| {
+            let octomap =
+                |model: &Model| Box::new(ConstantIncrements::new(model, LogOdds::OCTOMAP.tuned(&model.tuning))) as _;
+            Box::new(PerSensor::new(model, Fusion::Maximum, &octomap))
+        },
+    },
+    Entry {
+        name: "miura-2002",
+        summary: "a conventional map of every sensor; free where the laser says so, unless one has an obstacle",
+        source: "Miura et al. 2002, as far as it is public",
+        kind: Kind::Online,
+        build: &|model| {
+            Box::new(PerSensor::new(model, Fusion::Miura, &|model| Box::new(Conventional::new(model)) as _))
+        },
+    },
+    Entry {
         name: "independent",
         summary: "occlusion without continuity: the exact inverse sensor model",
         source: "Kaufman et al. 2016",
@@ -335,6 +378,10 @@ impl Fitted for Reconciliation {
     fn mapper(&self, model: &Model) -> Box<dyn Mapper> {
         Box::new(FastVisibility::visibility(&with(model, *self)))
     }
+}
+
+fn visibility(model: &Model) -> Box<dyn Mapper> {
+    Box::new(FastVisibility::visibility(model))
 }
 
 fn with(model: &Model, reconciliation: Reconciliation) -> Model {

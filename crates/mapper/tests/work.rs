@@ -5,7 +5,7 @@ use std::sync::Arc;
 use grid::GridSpec;
 use mapper::catalogue::MAPPERS;
 use mapper::{ContinuousRay, ConventionalCut, LogOdds, Mapper, Model, SignedDistance};
-use sensor::{Pose, Scan, Stereo};
+use sensor::{InverseModel as _, Pose, Scan, Stereo};
 
 /// Cells up to a range, m, from 0.01 m on.
 fn ends_at(range_m: f64) -> u64 {
@@ -28,7 +28,7 @@ fn centres(behind_m: f64) -> u64 {
 fn every_mapper_that_counts_counts_rays_times_cells() {
     let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: 40, height: 1 };
     let sensor = Arc::new(Stereo::default());
-    let setup = Model::new(grid, sensor);
+    let setup = Model::new(grid, sensor.clone());
     let pose = Pose { x_m: 0.01, y_m: 0.025, theta_rad: 0.0 };
     let readings = vec![Some(10.0), None, Some(10.0)];
     let scan = Scan { sensor: 0, time_s: 0.0, pose, bearings_rad: vec![0.0; 3], readings };
@@ -53,6 +53,10 @@ fn every_mapper_that_counts_counts_rays_times_cells() {
                     2 * 32
                 }
             }
+            "octomap-maximum" => 2 * 31,
+            "miura-2002" => 2 * 32,
+            // Up to one error behind the reading: two standard deviations.
+            "sonar-moravec" => 2 * centres(2.0 * sensor.range_sigma(10.0, 0.0)),
             "tsdf" => 2 * behind(&SignedDistance::VOXBLOX),
             "tsdf-tuned" => 2 * behind(&SignedDistance::TUNED),
             name if name.starts_with("mrpt") => 2 * (30 + 1), // up to 1.45 m, and the cell of the reading

@@ -151,6 +151,16 @@ impl Family {
         })
     }
 
+    /// Whether its robot carries sensors of `[[sensor]]`.
+    pub fn lists_sensors(&self) -> bool {
+        self.carried.iter().any(|(heading, _)| heading == "[[sensor]]")
+    }
+
+    /// Whether its robot has a camera.
+    pub fn has_camera(&self) -> bool {
+        !self.lists_sensors() || self.carried.iter().any(|(heading, _)| heading == "[camera]")
+    }
+
     /// Whether people walk in its scenes.
     pub fn moves(&self) -> bool {
         self.plan.people_per_100_m2.is_some()

@@ -72,8 +72,8 @@ pub struct Stage {
 /// again, and fresh noise; the recorded pose jitters, by the scene's robot, about the true one.
 ///
 /// Odometry, where the scene has one, and sensors beside the camera read streams of their own; what the camera read stays the same. Of
-/// things that not every reading ends on ([`SeenBy`](crate::SeenBy)), whether a ray does is drawn for every scan, ray and thing. Images of
-/// sensors beside the camera do not repeat while the robot stands.
+/// things that not every reading ends on ([`SeenBy`](crate::SeenBy)), whether a ray does is drawn for every scan, ray and thing. While the
+/// robot stands, images of stereo cameras beside the camera repeat as its own do; what other sensors read is fresh.
 ///
 /// Scans are shared out over the threads of rayon's pool. Memory is asked for by scans, never by rays.
 pub fn simulate(scene: &Scene, world: &World, drive: &Drive, seed: u64) -> Simulation {
@@ -85,7 +85,7 @@ pub fn simulate(scene: &Scene, world: &World, drive: &Drive, seed: u64) -> Simul
         standing::scans(&eye)
     } else {
         let scans = 0..drive.poses.len();
-        scans.into_par_iter().map(|i| eye.scan(i, &eye.look(i), |_| i)).collect()
+        scans.into_par_iter().map(|i| eye.scan(i, &eye.look(i), |_| i, None)).collect()
     };
     if let Some(odometry) = &scene.odometry {
         let poses: Vec<Pose> = drive.poses.iter().map(|timed| timed.pose).collect();
@@ -135,8 +135,14 @@ impl Eye<'_> {
         })
     }
 
-    /// The readings of a scan. `image(ray)` is the scan in which the ray's edge and mismatch were drawn.
-    fn scan(&self, scan: usize, ends: &[End], image: impl Fn(usize) -> usize) -> SimulatedScan {
+    /// The readings of a scan. `image(ray)` is the scan in which the ray's edge and mismatch were drawn, `beside` the same of the cameras beside.
+    fn scan(
+        &self,
+        scan: usize,
+        ends: &[End],
+        image: impl Fn(usize) -> usize,
+        beside: Option<&beside::Images>,
+    ) -> SimulatedScan {
         let base = ChaCha8Rng::seed_from_u64(self.seed);
         let stream = |scan: usize, ray: usize| {
             let mut rng = base.clone();
@@ -151,7 +157,7 @@ impl Eye<'_> {
         let readings = matcher.scan_again(self.bearings_rad, seen, |ray| stream(image(ray), ray), fresh);
         let TimedPose { time_s, pose } = self.drive.poses[scan];
         let true_ranges_m = ends.iter().map(|surface| surface.map(|s| s.range_m)).collect();
-        let beside = beside::scans(self, scan, pose);
+        let beside = beside::scans(self, scan, pose, beside);
         let scan = Scan { sensor: 0, time_s, pose, bearings_rad: self.bearings_rad.to_vec(), readings };
         SimulatedScan { scan, true_ranges_m, odometry: None, beside }
     }

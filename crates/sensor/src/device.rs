@@ -105,21 +105,33 @@ impl Device {
         &self,
         bearings_rad: &[f64],
         ends: &[Option<Surface>],
+        stream: impl FnMut(usize) -> R,
+    ) -> Vec<Option<f64>> {
+        self.read_again(bearings_rad, ends, stream, |_| None)
+    }
+
+    /// As [`read`](Self::read), of what was looked at before: of a stereo camera, `noise(ray)` gives the Gaussian part of a reading, where there is
+    /// any, and `stream(ray)` all else ([`Matcher::scan_again`]). What others read is fresh: `noise(ray)` where there is any.
+    ///
+    /// # Panics
+    /// Unless there are as many ends as bearings.
+    pub fn read_again<R: Rng>(
+        &self,
+        bearings_rad: &[f64],
+        ends: &[Option<Surface>],
         mut stream: impl FnMut(usize) -> R,
+        mut noise: impl FnMut(usize) -> Option<R>,
     ) -> Vec<Option<f64>> {
         let ranges = || ends.iter().map(|end| end.map(|surface| surface.range_m)).enumerate();
+        let mut fresh = |ray: usize| noise(ray).unwrap_or_else(|| stream(ray));
         match self {
-            Self::Laser(laser) => {
-                ranges().map(|(ray, range_m)| Some(laser.sample(range_m, &mut stream(ray)))).collect()
-            }
-            Self::Sonar(sonar) => {
-                ranges().map(|(ray, range_m)| Some(sonar.sample(range_m, &mut stream(ray)))).collect()
-            }
-            Self::Stereo(matcher) => matcher.scan(bearings_rad, ends, stream),
-            Self::Omnidirectional(matcher) => matcher.scan(&vec![0.0; bearings_rad.len()], ends, stream),
+            Self::Laser(laser) => ranges().map(|(ray, range_m)| Some(laser.sample(range_m, &mut fresh(ray)))).collect(),
+            Self::Sonar(sonar) => ranges().map(|(ray, range_m)| Some(sonar.sample(range_m, &mut fresh(ray)))).collect(),
+            Self::Stereo(matcher) => matcher.scan_again(bearings_rad, ends, stream, noise),
+            Self::Omnidirectional(matcher) => matcher.scan_again(&vec![0.0; bearings_rad.len()], ends, stream, noise),
             Self::Depth(depth, detection_rate) => {
                 let pixel = |(ray, end): (usize, &Option<Surface>)| {
-                    let (surface, mut rng) = ((*end)?, stream(ray));
+                    let (surface, mut rng) = ((*end)?, fresh(ray));
                     let is_read = rng.random::<f64>() < detection_rate * surface.texture;
                     is_read.then(|| depth.sample(surface.range_m, &mut rng)).flatten()
                 };

@@ -19,6 +19,7 @@ pub mod outputs;
 pub mod plan;
 pub mod repeats;
 pub mod rows;
+mod sensors;
 pub mod sheets;
 pub mod showcase;
 pub mod tables;

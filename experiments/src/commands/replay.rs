@@ -19,6 +19,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use mapper::Model;
+use mapper::catalogue::MAPPERS;
 
 use self::extent::Survey;
 use self::predictions::Predictions;
@@ -32,8 +33,10 @@ use crate::output::args::Format;
 use crate::output::folder::{Purpose, Staging};
 use crate::output::note;
 use crate::worlds::faults;
+use crate::worlds::kernels;
 use crate::worlds::mappers::entries;
 use crate::worlds::reading;
+use crate::worlds::suspects;
 
 /// What makes the map of a log fit.
 const TOO_LARGE: &str = "use larger cells (--grid), a shorter --reach, a part of the log (--window) or fewer mappers";
@@ -83,7 +86,10 @@ pub fn run(mut options: ReplayOptions) -> Result<(), Failure> {
         ..Model::new(grid, options.sensor(survey.sensor)?)
     };
     let copies = 1 + FOLDS;
-    let bytes = memory::of_mapping(&setup.grid, &entries, &setup, copies) + memory::besides(&setup.grid);
+    let apart = vec![&MAPPERS[0]; if survey.sensors.len() > 1 { survey.sensors.len() } else { 0 }];
+    let bytes = memory::of_mapping(&setup.grid, &entries, &setup, copies)
+        + memory::of_mapping(&setup.grid, &apart, &setup, 2)
+        + memory::besides(&setup.grid);
     memory::refuse(&recording.place(), &setup.grid, bytes, TOO_LARGE)?;
     let out = options.out();
     let reads: Vec<&Path> =
@@ -96,8 +102,16 @@ pub fn run(mut options: ReplayOptions) -> Result<(), Failure> {
     let seconds = mapping.elapsed().as_secs_f64();
     let predictions =
         Predictions::of(&recording, (options.hold_out, &survey), &maps, &setup, &|kind| options.spread(kind))?;
-    outputs::tell_agreement(&recording.place(), &survey, &predictions, &setup);
-    let told = outputs::Told { options, survey: &survey, setup: &setup, maps: &maps, predictions: &predictions };
+    let suspects = suspects(&recording, &survey, &setup, options.hold_out)?;
+    outputs::tell_agreement(&recording.place(), &survey, &predictions, &suspects, &setup);
+    let told = outputs::Told {
+        options,
+        survey: &survey,
+        setup: &setup,
+        maps: &maps,
+        predictions: &predictions,
+        suspects: &suspects,
+    };
     outputs::write(&mut staging, &recording, &told)?;
     staging.publish()?;
     options.recording.save(&reads, |recorder| recorded::record(recorder, &recording, &told))?;
@@ -117,6 +131,26 @@ pub fn run(mut options: ReplayOptions) -> Result<(), Failure> {
         ));
     }
     faults::none(&mapping::lines(&maps.faults))
+}
+
+/// Every sensor of a log of several, against its own map and those of the others.
+fn suspects(
+    recording: &Recording,
+    survey: &Survey,
+    setup: &Model,
+    hold_out: u64,
+) -> Result<Vec<suspects::Suspect>, Failure> {
+    let sensors: Vec<suspects::Named> = survey
+        .sensors
+        .iter()
+        .map(|(number, known)| suspects::Named { number: *number, called: kernels::called(known.kind).to_owned() })
+        .collect();
+    suspects::suspects(setup, &sensors, hold_out, &mut |each| {
+        for scan in recording.scans()? {
+            each(&scan.map_err(recording::refused)?);
+        }
+        Ok(())
+    })
 }
 
 /// How much faster than it was recorded.

@@ -35,6 +35,7 @@ use crate::worlds::claims::{self, Claim};
 use crate::worlds::faults;
 use crate::worlds::ground::Ground;
 use crate::worlds::run::{Keep, Trial};
+use crate::worlds::suspects;
 
 /// Runs the experiment.
 ///
@@ -58,6 +59,9 @@ pub fn run(options: &RoomOptions) -> Result<(), Failure> {
     options.recording.check(&[&options.scene])?;
     let mut staging = Staging::open(&out, &Purpose::new("room", &[&options.scene], files))?;
     let trials = trials(&ground, &seeds, &mappers, &setup, &frames)?;
+    for line in suspects::lines(&suspects::of_drive(&setup, &ground.scene, &trials[0].simulation)?) {
+        note(format_args!("warning: {}: {line}", options.scene.display()));
+    }
     let stages = ground.stages(&trials[0]);
     let all_readings = options.cut.max_range_m.is_none();
     let claimed = ground.scene.regions.iter().filter(|region| region.claims && all_readings);

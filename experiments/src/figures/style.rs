@@ -59,7 +59,7 @@ const GREY: Colour = Colour(130, 130, 130);
 
 /// Those that stand for others first: where there are more than colours, the last ones are grey. Of a family all have
 /// the same hue; hues are those of Okabe and Ito (2008) and of Tol (2021), for every eye.
-const MAPPERS: [(&str, Colour, Shape, Dashes); 32] = [
+const MAPPERS: [(&str, Colour, Shape, Dashes); 37] = [
     ("visibility", BLUE, Shape::Circle, Dashes::Solid),
     ("conventional", RED, Shape::Square, Dashes::Solid),
     ("log-odds-octomap", PURPLE, Shape::Diamond, Dashes::Solid),
@@ -85,6 +85,11 @@ const MAPPERS: [(&str, Colour, Shape, Dashes); 32] = [
     ("visibility-dynamic", SKY, Shape::Square, Dashes::Dashed),
     ("log-odds-decay", PURPLE, Shape::Square, Dashes::Dashed),
     ("dynamic-grid", VIOLET, Shape::Diamond, Dashes::Dashed),
+    ("visibility-pool", BLUE, Shape::Cross, Dashes::Dotted),
+    ("visibility-maximum", BLUE, Shape::Flag, Dashes::Dotted),
+    ("octomap-maximum", PURPLE, Shape::Flag, Dashes::Dotted),
+    ("miura-2002", RED, Shape::Diamond, Dashes::Dotted),
+    ("sonar-moravec", OLIVE, Shape::Diamond, Dashes::Solid),
     ("visibility-touched", BLUE, Shape::Square, Dashes::Dashed),
     ("visibility-all-edges", BLUE, Shape::Diamond, Dashes::Dashed),
     ("visibility-reference", BLUE, Shape::Plus, Dashes::Dotted),

@@ -19,6 +19,19 @@ pub struct Condition {
     pub people_per_100_m2: Option<[f64; 2]>,
     /// How wrong the poses are that all mappers are told.
     pub poses: WrongPoses,
+    /// What the robot carries in the place of its own sensors, in a world with panes and legs; none where it carries its own.
+    pub suite: Option<&'static [Carried]>,
+}
+
+/// A sensor of the robots of the set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Carried {
+    /// The stereo camera of the family.
+    Camera,
+    /// A laser of 90 beams over 180 degrees, 0.1 m ahead of the robot's middle.
+    Laser,
+    /// A ring of 16 sonars.
+    Sonar,
 }
 
 impl Condition {
@@ -36,6 +49,7 @@ pub const AS_BELIEVED: Condition = Condition {
     camera: |_| {},
     people_per_100_m2: None,
     poses: WrongPoses::NONE,
+    suite: None,
 };
 
 /// The robustness set, unless others are asked for: one thing differs at a time.
@@ -95,6 +109,25 @@ pub const DRIFT: Condition = Condition {
     ..AS_BELIEVED
 };
 
+/// Every sensor alone, every pair, and all three.
+pub const SUITES: [Condition; 7] = [
+    suite("camera", "the stereo camera alone", &[Carried::Camera]),
+    suite("laser", "a laser alone", &[Carried::Laser]),
+    suite("sonar", "a ring of sonars alone", &[Carried::Sonar]),
+    suite("camera-laser", "the stereo camera and a laser", &[Carried::Camera, Carried::Laser]),
+    suite("camera-sonar", "the stereo camera and a ring of sonars", &[Carried::Camera, Carried::Sonar]),
+    suite("laser-sonar", "a laser and a ring of sonars", &[Carried::Laser, Carried::Sonar]),
+    suite(
+        "all-three",
+        "the stereo camera, a laser and a ring of sonars",
+        &[Carried::Camera, Carried::Laser, Carried::Sonar],
+    ),
+];
+
+const fn suite(name: &'static str, summary: &'static str, suite: &'static [Carried]) -> Condition {
+    Condition { name, summary, suite: Some(suite), ..AS_BELIEVED }
+}
+
 /// The departures that are compared where they are asked for.
 pub const ON_REQUEST: [&Condition; 3] = [&PEOPLE, &POSES, &DRIFT];
 
@@ -103,7 +136,7 @@ pub fn departures() -> impl Iterator<Item = &'static Condition> {
     DEPARTURES.iter().chain(ON_REQUEST)
 }
 
-/// The condition of the given name.
+/// The condition of the given name, suites of sensors among them.
 pub fn condition(name: &str) -> Option<&'static Condition> {
-    [&AS_BELIEVED].into_iter().chain(departures()).find(|condition| condition.name == name)
+    [&AS_BELIEVED].into_iter().chain(departures()).chain(&SUITES).find(|condition| condition.name == name)
 }

@@ -8,6 +8,7 @@ use score::navigation::Planning;
 
 use super::drives::DriveOptions;
 use super::poses::WrongPoses;
+use super::sensed::Sensed;
 use super::yard::Yards;
 use crate::failure::Failure;
 
@@ -27,6 +28,8 @@ pub struct Ground {
     pub prior: f64,
     /// How wrong the poses are that mappers are told.
     pub poses: WrongPoses,
+    /// What suites of sensors have in common to be judged by; none of a robot with its own sensors.
+    pub sensed: Option<Sensed>,
     /// How drives are planned on the maps ...
     pub planning: Planning,
     /// ... and on which of them.
@@ -58,6 +61,7 @@ impl Ground {
             still: None,
             drive,
             poses: WrongPoses::NONE,
+            sensed: None,
             planning: DriveOptions::default().planning(scene.robot.radius_m),
             driven: Driven::default(),
             yards: Yards::default(),

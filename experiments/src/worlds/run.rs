@@ -239,6 +239,14 @@ impl Ground {
                 scores.push(RegionScore { region: region.clone(), metric });
             }
         }
+        if let Some(sensed) = &self.sensed {
+            let scorer = Scorer::new(now.truth, &sensed.surface)?;
+            for (region, mask) in sensed.by_name() {
+                let retention = walk.retention.metric(Some(mask))?;
+                let metrics = scorer.scores(map, mask)?.metrics().into_iter().chain([retention]);
+                scores.extend(metrics.map(|metric| RegionScore { region: region.to_owned(), metric }));
+            }
+        }
         Ok(scores)
     }
 

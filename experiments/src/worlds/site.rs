@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::condition::{Condition, condition};
 use super::ground::Ground;
+use super::suites;
 use crate::failure::Failure;
 use crate::output::args::PriorOptions;
 
@@ -83,18 +84,25 @@ impl Assumptions {
 }
 
 impl Site {
-    /// Builds a scene under a condition, which changes the simulated camera and what is known of poses.
+    /// Builds a scene under a condition, which changes the simulated camera, what is known of poses, or what the robot carries.
     ///
     /// # Errors
     /// A route that is blocked.
     pub fn of(mut scene: Scene, condition: &Condition, assumed: &Assumptions) -> Result<Self, Failure> {
+        let sensed = condition.suite.map(|suite| {
+            let camera = scene.camera;
+            let furnished = suites::equip(&mut scene, suite);
+            suites::sensed(&scene, &furnished, camera, assumed.prior.occupancy)
+        });
         let Assumptions { prior, reconciliation, tuning, max_range_m, camera } = assumed.clone();
         let camera = Arc::new(camera.unwrap_or(scene.matcher.stereo));
         let max_range_m = max_range_m.unwrap_or(f64::INFINITY);
         let sensors = sensors(camera.clone(), &scene, |device| *device);
         let setup = Model { sensors, prior, reconciliation, tuning, max_range_m, ..Model::new(scene.grid, camera) };
         (condition.camera)(&mut scene.matcher);
-        Ok(Self { ground: Ground::new(scene, prior.occupancy)?.with_poses(condition.poses), setup })
+        let mut ground = Ground::new(scene, prior.occupancy)?;
+        ground.sensed = sensed.transpose()?;
+        Ok(Self { ground: ground.with_poses(condition.poses), setup })
     }
 
     /// Builds a world of a family: the layout of its seed, under its condition.

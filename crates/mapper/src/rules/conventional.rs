@@ -160,8 +160,9 @@ impl Fitted for ConventionalRule {
         format!("w {half_width} px, {low} to {high}")
     }
 
+    /// With the bin of every sensor.
     fn mapper(&self, model: &Model) -> Box<dyn Mapper> {
-        Box::new(Conventional::with(model, *self))
+        Box::new(Conventional::for_sensors(model, *self))
     }
 }
 

@@ -67,6 +67,12 @@ pub(crate) struct Odds<'a> {
 }
 
 impl Odds<'_> {
+    /// Probability of a cell; of one that was never updated, that from which its first update starts.
+    pub(crate) fn occupied(&self, cell: usize) -> f64 {
+        let odds = self.log_odds[cell];
+        from_log_odds(if odds.is_nan() { self.start } else { odds })
+    }
+
     /// Adds to the log odds of some cells in a row.
     #[inline(always)]
     pub(crate) fn add(&mut self, cells: Range<usize>, log_odds: f64) {

@@ -1,10 +1,13 @@
 //! Readings of the sensors beside the camera.
 
+use std::ops::Range;
+
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
 use sensor::{Device, Pose, Scan, SensorKind, Surface};
 
+use super::standing::images;
 use super::{End, Eye, WORDS_PER_RAY};
 use crate::Hit;
 use crate::mounted::{Mounted, mounted};
@@ -90,17 +93,66 @@ fn stream(seed: u64, first: u64, scan: usize) -> ChaCha8Rng {
     rng
 }
 
-/// What all sensors beside the camera read at a scan; `recorded` is where the robot is said to have stood.
-pub(super) fn scans(eye: &Eye, scan: usize, recorded: Pose) -> Vec<BesideScan> {
+/// What all sensors beside the camera read at a scan; `recorded` is where the robot is said to have stood, and `images` has, of a robot that stands,
+/// the scans in which the images were made.
+pub(super) fn scans(eye: &Eye, scan: usize, recorded: Pose, images: Option<&Images>) -> Vec<BesideScan> {
     if eye.scene.sensors.is_empty() {
         return Vec::new();
     }
     let things = eye.things(scan);
     let numbered = eye.scene.sensors.iter().zip(1..).filter(|(sensor, _)| sensor.reads_at(scan));
-    numbered.map(|(sensor, number)| read(&things, scan, recorded, sensor, number)).collect()
+    let image = |number: usize, ray: usize| images.map_or(scan, |images| images.of(number, scan, ray));
+    numbered
+        .map(|(sensor, number)| read(&things, (scan, recorded), (sensor, number), &|ray| image(number, ray)))
+        .collect()
 }
 
-fn read(all: &Things, scan: usize, recorded: Pose, sensor: &Mounted, number: usize) -> BesideScan {
+/// Of the stereo cameras beside the camera, for every scan of a stand and every ray, the first scan in which the ray ended on the same. Others have no
+/// images that repeat.
+pub(super) struct Images {
+    first: usize,
+    /// By sensor, from 1, scan of the stand and ray; nothing of other sensors, and of scans at which a sensor does not read.
+    sensors: Vec<Vec<Vec<usize>>>,
+}
+
+impl Images {
+    /// Of the scans of a stand.
+    pub(super) fn of_stand(eye: &Eye, stand: Range<usize>) -> Self {
+        let of = |sensor: &Mounted| match sensor.device.kind() {
+            SensorKind::Stereo if stand.len() > 1 => {
+                let reads: Vec<usize> = stand.clone().filter(|scan| sensor.reads_at(*scan)).collect();
+                let ends: Vec<Vec<End>> = reads.iter().map(|scan| ends(&eye.things(*scan), *scan, sensor)).collect();
+                let firsts = images(&ends, 0).into_iter();
+                let mut by_scan = vec![Vec::new(); stand.len()];
+                for (scan, firsts) in reads.iter().zip(firsts) {
+                    by_scan[scan - stand.start] = firsts.into_iter().map(|first| reads[first]).collect();
+                }
+                by_scan
+            }
+            _ => Vec::new(),
+        };
+        Self { first: stand.start, sensors: eye.scene.sensors.iter().map(of).collect() }
+    }
+
+    fn of(&self, number: usize, scan: usize, ray: usize) -> usize {
+        let rays = self.sensors[number - 1].get(scan - self.first);
+        rays.and_then(|rays| rays.get(ray)).copied().unwrap_or(scan)
+    }
+}
+
+/// What the rays of a sensor end on, if every reading ended on all that is there.
+fn ends(all: &Things, scan: usize, sensor: &Mounted) -> Vec<End> {
+    let at = sensor.pose(all.eye.drive.poses[scan].pose);
+    sensor.bearings_rad.iter().map(|&bearing| all.cast(at, bearing, |_| true)).collect()
+}
+
+/// What a sensor, and its number, reads at a scan and a recorded pose; `image(ray)` is the scan in which the image of a ray was made.
+fn read(
+    all: &Things,
+    (scan, recorded): (usize, Pose),
+    (sensor, number): (&Mounted, usize),
+    image: &dyn Fn(usize) -> usize,
+) -> BesideScan {
     let eye = all.eye;
     let at = sensor.pose(eye.drive.poses[scan].pose);
     let (device, bearings_rad) = (sensor.device, &sensor.bearings_rad);
@@ -126,11 +178,13 @@ fn read(all: &Things, scan: usize, recorded: Pose, sensor: &Mounted, number: usi
         };
         ends.push(end.map(|surface| sensor.seen(surface, || all.cast(at, axis_rad + NEXT_RAD, |_| true))));
     }
-    let mut rng = stream(eye.seed, READINGS - ((number as u64) << 32), scan);
-    let readings = device.read(bearings_rad, &ends, |ray| {
+    let stream_of = |scan: usize, ray: usize| {
+        let mut rng = stream(eye.seed, READINGS - ((number as u64) << 32), scan);
         rng.set_word_pos(ray as u128 * WORDS_PER_RAY);
-        rng.clone()
-    });
+        rng
+    };
+    let fresh = |ray: usize| (image(ray) != scan).then(|| stream_of(scan, ray));
+    let readings = device.read_again(bearings_rad, &ends, |ray| stream_of(image(ray), ray), fresh);
     let time_s = eye.drive.poses[scan].time_s;
     let pose = sensor.pose(recorded);
     let scan = Scan { sensor: number, time_s, pose, bearings_rad: bearings_rad.clone(), readings };

@@ -9,6 +9,7 @@ use rand_chacha::rand_core::SeedableRng as _;
 use rand_distr::StandardNormal;
 use rayon::prelude::*;
 
+use super::beside::Images;
 use super::{End, Eye, SimulatedScan, WORDS_PER_RAY};
 use crate::Drive;
 
@@ -32,9 +33,10 @@ pub(super) fn scans(eye: &Eye) -> Vec<SimulatedScan> {
     let of_stand = |stand: Range<usize>| -> Vec<SimulatedScan> {
         let ends: Vec<Vec<End>> = stand.clone().into_par_iter().map(|scan| eye.look(scan)).collect();
         let images = images(&ends, stand.start);
+        let beside = Images::of_stand(eye, stand.clone());
         let numbered = stand.clone().into_par_iter().zip(&ends).zip(&images);
         let scans = numbered.map(|((scan, ends), images)| {
-            let mut read = eye.scan(scan, ends, |ray| images[ray]);
+            let mut read = eye.scan(scan, ends, |ray| images[ray], Some(&beside));
             if stand.len() > 1 {
                 jitter(eye, scan, &mut read);
             }
@@ -47,7 +49,7 @@ pub(super) fn scans(eye: &Eye) -> Vec<SimulatedScan> {
 }
 
 /// For every scan of a stand and every ray, the first scan in which the ray ended on the same.
-fn images(ends: &[Vec<End>], first: usize) -> Vec<Vec<usize>> {
+pub(super) fn images(ends: &[Vec<End>], first: usize) -> Vec<Vec<usize>> {
     let rays = ends.first().map_or(0, Vec::len);
     let mut seen: Vec<HashMap<Option<[u64; 2]>, usize>> = vec![HashMap::new(); rays];
     let of_scan = |(k, ends): (usize, &Vec<End>)| -> Vec<usize> {

@@ -11,11 +11,13 @@ use super::figures::CAPTIONS;
 use super::plan::Plan;
 use super::repeats::Readings;
 use super::rows::{Repeat, Rows};
+use super::sensors;
 use super::sheets::{self, ALL, OBSERVABLE, Width};
 use super::worlds::{self, WorldScore};
 use crate::failure::Failure;
 use crate::page::{Cell, Page, Part, Picture, Section, Sheet, Viewer, command_line};
 use crate::worlds::claims::{self, Claim};
+use crate::worlds::sensed;
 
 /// The sections, with those of the pictures that there are.
 pub fn sections(plan: &Plan, rows: &Rows, pictures: &[Picture]) -> Vec<Section> {
@@ -34,7 +36,8 @@ pub fn sections(plan: &Plan, rows: &Rows, pictures: &[Picture]) -> Vec<Section> 
     }
     let shown = |region: &&str| rows.means.iter().any(|mean| mean.region == **region);
     let regions = Region::ALL.iter().map(|region| region.name());
-    let regions = regions.chain(MovingRegion::ALL.iter().map(|region| region.name()).filter(shown));
+    let others = MovingRegion::ALL.iter().map(|region| region.name()).chain(sensed::REGIONS);
+    let regions = regions.chain(others.filter(shown));
     places.extend(regions.map(|region| region_fold(rows, &mappers, region)));
     let mut trust = Vec::new();
     trust.extend(["reliability.png", "profiles.png"].into_iter().filter_map(picture));
@@ -57,6 +60,10 @@ pub fn sections(plan: &Plan, rows: &Rows, pictures: &[Picture]) -> Vec<Section> 
         }
         parts.extend(at_rest::sheet(&rows.at_rest, Width::Page).map(Part::Sheet));
         sections.insert(1, section("What becomes of what moves", MOVED, parts));
+    }
+    if plan.has_suites() {
+        let parts = sensors::sheets(plan, rows).into_iter().map(Part::Sheet).collect();
+        sections.insert(1, section("What a second sensor is worth", SENSORS, parts));
     }
     if !rows.repeats.is_empty() {
         let mut again: Vec<Part> = picture("repeats.png").into_iter().collect();
@@ -87,6 +94,10 @@ const MOVED: &str = "Static: the share of the cells that nothing has covered whi
     no more, that it holds free again; harmonic: the harmonic mean of both, never to be read alone. Trail: the area of those held occupied; ghost: the largest patch of \
     changed cells that are free now and held occupied. Lag: the mean number of looks from at most 4 m until a change is in the map, 10 at most; cleared: the share of changes \
     to free that are within 3.";
+const SENSORS: &str = "Every layout is mapped seven times, by robots that differ in what they carry. Every third box of it is a pane of glass, on which one beam of \
+    the laser in ten ends and one column of the camera in twenty; every second disc is a leg of 6 cm, on which every second beam ends. All are judged over the same cells, what \
+    any of the three sensors could see: the regions of the other tables follow from the rays of each suite. Several sensors are held against the better one of them alone, \
+    in the same worlds: they are not worse where the 95 % interval of the difference ends below the margin.";
 const DRIVES: &str = "Drives between pairs of places that follow from the truth alone, 200 a world unless asked otherwise and the same for every mapper: \
     planned on the map of the whole drive, on which a cell above the threshold (0.5) is an obstacle, as is what no ray reached (--plan-unknown), and driven as the \
     robot's disc in the exact world. Reached: the share planned and driven without a collision. Colliding: the share planned and driven into something. \

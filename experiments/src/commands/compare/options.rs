@@ -31,13 +31,13 @@ pub struct CompareOptions {
     /// What differs from what the mappers believe, comma-separated, in the robustness set [default: all but people, poses and drift]
     #[arg(long, value_name = "A,B", value_delimiter = ',', value_parser = PossibleValuesParser::new(departures().map(|condition| condition.name)))]
     pub conditions: Vec<String>,
-    /// Worlds of each family under each condition [default: 30 test, 8 robustness, 10 tuning; 4 or 1 with --quick]
+    /// Worlds of each family under each condition [default: 30 test, 8 robustness, 10 tuning, 8 sensors; 4 or 1 with --quick]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = count(10_000))]
     pub seeds: Option<u32>,
     /// Batch mappers run on the first N of them only [default: a third]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(0..=10_000))]
     pub batch_seeds: Option<u32>,
-    /// Mappers, comma-separated; visibility, which all are compared with, must be among them [default: all but some as published of which there are fitted ones, and those for a world that moves, see `list`]
+    /// Mappers, comma-separated; visibility, which all are compared with, must be among them [default: all but some as published of which there are fitted ones, and those for a world that moves or for several sensors, see `list`; of sensors, visibility, independent, conventional, log-odds-octomap and the rules for several]
     #[arg(long, value_name = "A,B", value_delimiter = ',', value_parser = trimmed)]
     pub mappers: Vec<String>,
     /// Programs of one's own that are compared too
@@ -85,6 +85,8 @@ pub enum Worlds {
     Robustness,
     /// worlds that parameters are fitted on
     Tuning,
+    /// worlds with glass and thin legs, for robots with a camera, a laser, sonars, each pair and all
+    Sensors,
 }
 
 impl Worlds {
@@ -94,6 +96,7 @@ impl Worlds {
             Self::Test => "test",
             Self::Robustness => "robustness",
             Self::Tuning => "tuning",
+            Self::Sensors => "sensors",
         }
     }
 
@@ -104,6 +107,10 @@ impl Worlds {
             Self::Robustness => {
                 "Generated worlds in which one thing differs from what the mappers believe: the share of correct matches, the noise of \
                  the disparity, the size of the obstacles, or mismatches that come in runs and copy neighbouring surfaces."
+            }
+            Self::Sensors => {
+                "Generated worlds on which no parameter was fitted, with panes of glass and thin legs that not every reading ends on, for robots with a camera, a laser, a ring \
+                 of sonars, each pair of them and all three."
             }
             Self::Tuning => "The generated worlds that parameters are fitted on: not for reporting.",
         }

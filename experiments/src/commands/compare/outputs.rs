@@ -9,7 +9,7 @@ use super::at_rest;
 use super::findings::Findings;
 use super::plan::{Plan, REFERENCE};
 use super::rows::{self, Rows};
-use super::{document, figures, forest, tables};
+use super::{document, figures, forest, sensors, tables};
 use crate::failure::Failure;
 use crate::figures::Paper;
 use crate::output::folder::Staging;
@@ -82,6 +82,7 @@ pub fn rows(plan: &Plan, findings: &Findings) -> Result<Rows, Failure> {
         differences: rows::of(&tables::differences(&findings.judgements, REFERENCE))?,
         repeats: rows::of(&tables::repeats(&findings.repeated))?,
         at_rest: rows::of(&tables::at_rest(&at_rest::rows(&findings.worlds, &plan.names())))?,
+        sensors: rows::of(&sensors::table(&sensors::rows(plan, &findings.worlds)?))?,
     })
 }
 
@@ -96,8 +97,9 @@ pub fn names(plan: &Plan, paper: &Paper) -> Vec<String> {
     paper.files(&FILES).into_iter().chain(plan.names().into_iter().map(scores_of)).chain(kept).collect()
 }
 
-const FILES: [&str; 12] = [
+const FILES: [&str; 13] = [
     "at-rest.csv",
+    "sensors.csv",
     "summary.csv",
     "differences.csv",
     "reliability.csv",
@@ -137,6 +139,9 @@ pub fn write(
     }
     if !rows.at_rest.is_empty() {
         csv("at-rest.csv", tables::at_rest(&rows.at_rest))?;
+    }
+    if !rows.sensors.is_empty() {
+        csv("sensors.csv", sensors::table(&rows.sensors))?;
     }
     let pictures = document::pictures(|name| {
         let drawing = match name {

@@ -10,7 +10,7 @@ use super::options::{CompareOptions, Worlds};
 use super::world::WorldJob;
 use crate::failure::Failure;
 use crate::programs::options::ProgramRecord;
-use crate::worlds::condition::{AS_BELIEVED, Condition, DEPARTURES, DRIFT, PEOPLE, POSES, departures};
+use crate::worlds::condition::{AS_BELIEVED, Condition, DEPARTURES, DRIFT, PEOPLE, POSES, SUITES, departures};
 use crate::worlds::drives::DriveOptions;
 use crate::worlds::ground::Driven;
 use crate::worlds::mappers::{entries, own};
@@ -54,11 +54,16 @@ impl Plan {
     ///
     /// # Errors
     /// A mapper that does not exist, or no reference among them; a family that cannot be read, or two of a
-    /// name; too many seeds.
+    /// name, or one whose robot does not fit the set.
     pub fn new(options: &CompareOptions) -> Result<Self, Failure> {
         let mappers = match options.mappers.is_empty() {
             true => {
-                let default = MAPPERS.iter().filter(|entry| !maps_the_same(entry, options) && !on_request(entry));
+                let of_sensors = options.set == Worlds::Sensors;
+                let usual = |entry: &&Entry| match of_sensors {
+                    true => OF_SENSORS.contains(&entry.name),
+                    false => !maps_the_same(entry, options) && !on_request(entry),
+                };
+                let default = MAPPERS.iter().filter(usual);
                 default.chain(own(&options.programs)?).collect()
             }
             false => entries(&options.mappers, &options.programs)?,
@@ -74,22 +79,24 @@ impl Plan {
         let set = options.set;
         let conditions = conditions(options)?;
         let seeds = u64::from(options.seeds.unwrap_or(match (options.quick, set) {
-            (true, Worlds::Robustness) => 1,
+            (true, Worlds::Robustness | Worlds::Sensors) => 1,
             (true, _) => 4,
             (false, Worlds::Test) => 30,
-            (false, Worlds::Robustness) => 8,
+            (false, Worlds::Robustness | Worlds::Sensors) => 8,
             (false, Worlds::Tuning) => 10,
         }));
         let third = if options.quick { 1 } else { seeds.div_ceil(3) };
         let batch_seeds = options.batch_seeds.map_or(third, u64::from).min(seeds);
         let (repeats, repeated_scans) = match (set, options.quick) {
-            (Worlds::Robustness, _) => (vec![], 0),
+            (Worlds::Robustness | Worlds::Sensors, _) => (vec![], 0),
             (_, true) => (vec![1, 10, 100], 1),
             (_, false) => (vec![1, 10, 100, 1000], 2),
         };
+        let families = families(&options.families)?;
+        fit(&families, &options.families, set, &conditions)?;
         Ok(Self {
             set,
-            families: families(&options.families)?,
+            families,
             paths: options.families.clone(),
             conditions,
             seeds,
@@ -106,7 +113,7 @@ impl Plan {
     /// The worlds, a seed of every family and condition after the other.
     pub fn jobs(&self) -> Vec<WorldJob> {
         let set = match self.set {
-            Worlds::Test => Set::Test,
+            Worlds::Test | Worlds::Sensors => Set::Test,
             Worlds::Robustness => Set::Robustness,
             Worlds::Tuning => Set::Tuning,
         };
@@ -143,6 +150,11 @@ impl Plan {
     pub fn site(&self, job: &WorldJob) -> Result<Site, Failure> {
         let Site { ground, setup } = Site::of_family(self.family(job), &job.world, &self.assumed)?;
         Ok(Site { ground: ground.with_drives(&self.drives, Driven::Last), setup })
+    }
+
+    /// Whether its worlds are of suites of sensors.
+    pub fn has_suites(&self) -> bool {
+        self.set == Worlds::Sensors
     }
 
     /// Names of the mappers.
@@ -209,6 +221,7 @@ fn conditions(options: &CompareOptions) -> Result<Vec<&'static str>, Failure> {
     let asked = &options.conditions;
     if options.set != Worlds::Robustness {
         return match asked.first() {
+            None if options.set == Worlds::Sensors => Ok(SUITES.iter().map(|suite| suite.name).collect()),
             None => Ok(vec![AS_BELIEVED.name]),
             Some(name) => Err(Failure::BadInput(format!(
                 "--conditions {name}: worlds of the {} set are as the mappers believe; add --set robustness",
@@ -223,10 +236,56 @@ fn conditions(options: &CompareOptions) -> Result<Vec<&'static str>, Failure> {
     Ok(departures().filter(chosen).map(|condition| condition.name).collect())
 }
 
-/// Mappers that stand in no table unless they are named: rules as published of which the table has the fitted ones, and rules for a
-/// world that moves, which the worlds of this comparison do not.
-pub const ON_REQUEST: [&str; 7] =
-    ["hit-count-gmapping", "hit-count-karto", "tsdf", "mrpt-widening", "wavemap", "log-odds-decay", "dynamic-grid"];
+/// Refuses families whose robots do not fit the worlds of a set: those that list sensors where the set has its own, and those without a camera
+/// where a condition is the camera's.
+fn fit(families: &[Family], paths: &[PathBuf], set: Worlds, conditions: &[&str]) -> Result<(), Failure> {
+    for (family, path) in families.iter().zip(paths) {
+        let place = path.display();
+        if set == Worlds::Sensors && family.lists_sensors() {
+            return Err(Failure::BadInput(format!(
+                "--families: {place}: its robot carries sensors of [[sensor]], and the set sensors has its own; take them out, or compare with --set test"
+            )));
+        }
+        let of_camera = DEPARTURES.iter().find(|one| !one.of_layouts() && conditions.contains(&one.name));
+        if let Some(condition) = of_camera.filter(|_| !family.has_camera()) {
+            return Err(Failure::BadInput(format!(
+                "--families: {place}: its robot has no [camera], whose noise the condition {} changes; name other --conditions, or compare with --set test",
+                condition.name
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// The mappers of the set of sensors.
+const OF_SENSORS: [&str; 9] = [
+    REFERENCE,
+    "conventional",
+    "log-odds-octomap",
+    "sonar-moravec",
+    "visibility-pool",
+    "visibility-maximum",
+    "octomap-maximum",
+    "miura-2002",
+    "independent",
+];
+
+/// Mappers that stand in no table unless they are named: rules as published of which the table has the fitted ones, rules for a
+/// world that moves, which the worlds of this comparison do not, and rules for several sensors, which most robots here have not.
+pub const ON_REQUEST: [&str; 12] = [
+    "hit-count-gmapping",
+    "hit-count-karto",
+    "tsdf",
+    "mrpt-widening",
+    "wavemap",
+    "log-odds-decay",
+    "dynamic-grid",
+    "sonar-moravec",
+    "visibility-pool",
+    "visibility-maximum",
+    "octomap-maximum",
+    "miura-2002",
+];
 
 fn on_request(entry: &Entry) -> bool {
     ON_REQUEST.contains(&entry.name)

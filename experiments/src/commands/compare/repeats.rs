@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::world::WorldJob;
 use crate::failure::Failure;
-use crate::worlds::site::{Assumptions, Site, camera_alone};
+use crate::worlds::site::{Assumptions, Site};
 use crate::worlds::witness::Witness;
 
 /// What a robot that stands reads.
@@ -89,8 +89,9 @@ struct Judge<'a> {
 /// What a robot reads that stands, and that then drives on, if it does.
 struct Stand {
     readings: Readings,
-    scans: Vec<Scan>,
-    then: Vec<Scan>,
+    /// What all sensors read at one time, time by time.
+    scans: Vec<Vec<Scan>>,
+    then: Vec<Vec<Scan>>,
 }
 
 /// Stands at `scans` places of a world, evenly spread over the drive, and maps what is read at each alone, up to the last of `counts` times,
@@ -107,7 +108,6 @@ pub fn repeat(
     counts: &[usize],
 ) -> Result<Vec<Repeated>, Failure> {
     let site = Site::of_family(family, &job.world, assumed)?;
-    camera_alone(&site.ground.scene, &job.world.family, "what stands at a place (repeats.csv)")?;
     let simulation = scene::simulate(&site.ground.scene, &site.ground.world, &site.ground.drive, job.world.seed);
     let most = counts.last().copied().unwrap_or(0);
     let mut repeated = Vec::new();
@@ -126,7 +126,7 @@ pub fn repeat(
             let scans = stand(&site, simulated, readings, job.world.seed, most);
             // Where things move, what comes after a stand is another world than the one that is judged.
             let drives_on = readings == Readings::Standing && !site.ground.moves();
-            let ended_s = scans.last().map_or(0.0, |scan| scan.time_s);
+            let ended_s = scans.iter().flatten().last().map_or(0.0, |scan| scan.time_s);
             let then = if drives_on { onward(&simulation.scans, number, ended_s) } else { Vec::new() };
             let stand = Stand { readings, scans, then };
             for entry in mappers.iter().filter(|entry| entry.kind == Kind::Online) {
@@ -140,17 +140,18 @@ pub fn repeat(
 
 /// The scans of [`DRIVEN_M`] of a drive after the scan of this number, at times after `ended_s`: ahead, or back the way it came where less of it is left;
 /// all of the longer way where neither is as long.
-fn onward(scans: &[SimulatedScan], number: usize, ended_s: f64) -> Vec<Scan> {
+fn onward(scans: &[SimulatedScan], number: usize, ended_s: f64) -> Vec<Vec<Scan>> {
     let from_s = scans[number].scan.time_s;
     let along = |way: &mut dyn Iterator<Item = &SimulatedScan>| {
         let (mut at, mut along_m, mut driven) = (scans[number].scan.pose, 0.0, Vec::new());
-        for SimulatedScan { scan, .. } in way {
+        for simulated in way {
+            let scan = &simulated.scan;
             if along_m >= DRIVEN_M {
                 break;
             }
             along_m += libm::hypot(scan.pose.x_m - at.x_m, scan.pose.y_m - at.y_m);
             at = scan.pose;
-            driven.push(Scan { time_s: ended_s + (scan.time_s - from_s).abs(), ..scan.clone() });
+            driven.push(at_time(simulated, ended_s + (scan.time_s - from_s).abs()));
         }
         (along_m, driven)
     };
@@ -158,8 +159,13 @@ fn onward(scans: &[SimulatedScan], number: usize, ended_s: f64) -> Vec<Scan> {
     if ahead.0 >= DRIVEN_M.min(back.0) { ahead.1 } else { back.1 }
 }
 
-/// The scans of a robot that stands where a scan was made.
-fn stand(site: &Site, first: &SimulatedScan, readings: Readings, seed: u64, count: usize) -> Vec<Scan> {
+/// What was read at one time, as of another time, s.
+fn at_time(simulated: &SimulatedScan, time_s: f64) -> Vec<Scan> {
+    simulated.together().into_iter().map(|scan| Scan { time_s, ..scan }).collect()
+}
+
+/// The scans of a robot that stands where a scan was made, time by time.
+fn stand(site: &Site, first: &SimulatedScan, readings: Readings, seed: u64, count: usize) -> Vec<Vec<Scan>> {
     let ground = &site.ground;
     let interval_s = ground.scene.robot.scan_interval_s;
     let drive = |count: usize| {
@@ -170,15 +176,13 @@ fn stand(site: &Site, first: &SimulatedScan, readings: Readings, seed: u64, coun
     (scene.robot.jitter_m, scene.robot.jitter_rad) = (JITTER.0, JITTER.1.to_radians());
     let read = |count: usize, seed: u64| scene::simulate(&scene, &ground.world, &drive(count), seed).scans;
     match readings {
-        Readings::Same => vec![first.scan.clone(); count],
-        Readings::Standing | Readings::Driven => {
-            read(count, seed).into_iter().map(|simulated| simulated.scan).collect()
-        }
+        Readings::Same => vec![first.together(); count],
+        Readings::Standing | Readings::Driven => read(count, seed).iter().map(SimulatedScan::together).collect(),
         // Two scans of one stand share their mismatches: each is a stand of its own, with a seed of its own.
         Readings::Fresh => (0..count)
             .flat_map(|k| {
                 let seed = seed ^ (k as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-                read(1, seed).into_iter().map(move |one| Scan { time_s: k as f64 * interval_s, ..one.scan })
+                read(1, seed).into_iter().map(move |one| at_time(&one, k as f64 * interval_s))
             })
             .collect(),
     }
@@ -196,8 +200,8 @@ impl Judge<'_> {
         let mut retention = (stand.readings == Readings::Standing).then(|| self.retention.clone());
         let mut rows = Vec::new();
         let whole = stand.scans.len();
-        for (k, scan) in stand.scans.iter().chain(&stand.then).enumerate() {
-            mapper.integrate(scan);
+        for (k, scans) in stand.scans.iter().chain(&stand.then).enumerate() {
+            mapper.integrate_together(scans);
             let is_last = !stand.then.is_empty() && k + 1 == whole + stand.then.len();
             let is_counted = k < whole && counts.contains(&(k + 1));
             if retention.is_none() && !is_counted {
@@ -262,7 +266,7 @@ mod tests {
         let scan = |k: usize| {
             let pose = Pose { x_m: k as f64, ..Pose::default() };
             SimulatedScan {
-                scan: Scan { time_s: k as f64, pose, ..Scan::default() },
+                scan: Scan { time_s: k as f64, pose, bearings_rad: vec![0.0], readings: vec![None], ..Scan::default() },
                 true_ranges_m: Vec::new(),
                 odometry: None,
                 beside: Vec::new(),
@@ -281,9 +285,9 @@ mod tests {
             (1, 0, vec![]),
         ] {
             let scans = onward(&drive(count), number, 100.0);
-            let places: Vec<f64> = scans.iter().map(|scan| scan.pose.x_m).collect();
+            let places: Vec<f64> = scans.iter().flatten().map(|scan| scan.pose.x_m).collect();
             assert_eq!(places, expected, "{count} {number}");
-            let times: Vec<f64> = scans.iter().map(|scan| scan.time_s).collect();
+            let times: Vec<f64> = scans.iter().flatten().map(|scan| scan.time_s).collect();
             let expected: Vec<f64> = (1..=expected.len()).map(|k| 100.0 + k as f64).collect();
             assert_eq!(times, expected, "times go on");
         }

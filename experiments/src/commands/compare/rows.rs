@@ -67,6 +67,25 @@ pub struct Rested {
     pub high: Option<f64>,
 }
 
+/// A row of `sensors.csv`.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[expect(missing_docs, reason = "the names are those of the columns")]
+pub struct Sensed {
+    pub scope: String,
+    pub region: String,
+    pub metric: String,
+    pub mapper: String,
+    pub suite: String,
+    pub worlds: usize,
+    pub mean: Option<f64>,
+    pub better_alone: Option<String>,
+    pub difference: Option<f64>,
+    pub low: Option<f64>,
+    pub high: Option<f64>,
+    pub margin: Option<f64>,
+    pub not_worse: Option<bool>,
+}
+
 /// The tables that are shown.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Rows {
@@ -78,6 +97,8 @@ pub struct Rows {
     pub repeats: Vec<Repeat>,
     /// `at-rest.csv`; empty where nobody walks.
     pub at_rest: Vec<Rested>,
+    /// `sensors.csv`; empty but of suites of sensors.
+    pub sensors: Vec<Sensed>,
 }
 
 impl Difference {

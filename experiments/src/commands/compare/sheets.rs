@@ -6,6 +6,7 @@ use score::{MovingRegion, Region};
 use super::plan::REFERENCE;
 use super::repeats::Readings;
 use super::rows::{Difference, Repeat, Rows};
+use super::sensors;
 use crate::page::{Cell, Sheet, Tone};
 use crate::worlds::criteria::{CRITERIA, Criterion, criterion};
 
@@ -295,7 +296,7 @@ pub fn region_in_words(region: &str) -> &'static str {
             Some(MovingRegion::Swept) => "where something has been and is no more",
             Some(MovingRegion::OccupiedNow) => "where something that moves stands now",
             Some(MovingRegion::Changed) => "what looks have found changed",
-            None => "a region of the scene",
+            None => sensors::region_in_words(region).unwrap_or("a region of the scene"),
         },
     }
 }

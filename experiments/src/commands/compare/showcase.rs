@@ -20,8 +20,8 @@ pub fn jobs(plan: &Plan) -> Vec<WorldJob> {
     }
 }
 
-/// The conditions to look into: the two that differ most from each other, and the one nearest to a real camera.
-const SHOWN: [&str; 3] = ["match-0.6", "sigma-2", "clusters"];
+/// The conditions to look into: the two that differ most from each other, and the one nearest to a real camera; of suites of sensors, a camera, and all.
+const SHOWN: [&str; 5] = ["match-0.6", "sigma-2", "clusters", "camera", "all-three"];
 
 /// Maps these worlds again, keeping their maps on the way; gives their scores too, in the same order.
 ///

@@ -7,6 +7,7 @@ use mapper::catalogue::Kind;
 use super::at_rest;
 use super::plan::Plan;
 use super::rows::Rows;
+use super::sensors;
 use super::sheets::{self as sheet, ALL, OBSERVABLE, Width};
 use crate::page::Sheet;
 use crate::worlds::claims::{self, Claim};
@@ -45,7 +46,9 @@ fn sheets(plan: &Plan, rows: &Rows) -> Vec<Sheet> {
     shown.extend(sheet::moved(rows, &mappers, Width::Terminal));
     shown.extend(at_rest::sheet(&rows.at_rest, Width::Terminal));
     shown.extend(sheet::drives(rows, &mappers, Width::Terminal));
-    if parts.len() > 1 {
+    if plan.has_suites() {
+        shown.extend(sensors::sheets(plan, rows));
+    } else if parts.len() > 1 {
         shown.push(sheet::parts(rows, &mappers, &parts, "log_loss", Width::Terminal));
     }
     shown

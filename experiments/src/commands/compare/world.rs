@@ -12,6 +12,7 @@ use crate::failure::Failure;
 use crate::worlds::criteria::{CRITERIA, Criterion, MOVING};
 use crate::worlds::ground::Ground;
 use crate::worlds::run::{Keep, Run, Trial};
+use crate::worlds::sensed;
 use crate::worlds::site::{Site, WorldId};
 
 /// A world to map and score.
@@ -53,7 +54,7 @@ pub struct AtRest {
 pub struct MapScores {
     /// Name of the mapper.
     pub mapper: String,
-    /// One per region, in the order of [`Region::ALL`] and, where the world moves, of [`MovingRegion::ALL`].
+    /// One per region, in the order of [`Region::ALL`] and, where the world moves, of [`MovingRegion::ALL`]; of suites of sensors, [`sensed::REGIONS`] too.
     pub regions: Vec<RegionScores>,
     /// Reliability over the observable region, see [`score::PROBABILITY_EDGES`].
     pub reliability: Vec<ProbabilityBin>,
@@ -132,7 +133,7 @@ impl WorldJob {
             let profile = |covariate: &Raster<f64>, edges: &[f64]| -> Result<Vec<ErrorSum>, Failure> {
                 Ok(sums(&error_profile(map, &ground.truth, &observable, covariate, edges)?))
             };
-            let (names, metrics) = judged(ground.moves());
+            let (names, metrics) = judged(ground.moves(), ground.sensed.is_some());
             let regions = names.iter().map(|region| region_scores(trial, run, region, &metrics)).collect();
             if let Some(fault) = &end.fault {
                 return Ok(MapScores::without_map(run.mapper, regions, fault));
@@ -166,17 +167,19 @@ impl MapScores {
     }
 }
 
-/// The regions that maps are scored in and the metrics that they are scored by, where nothing moves or where something does.
-fn judged(moves: bool) -> (Vec<&'static str>, Vec<&'static Criterion>) {
+/// The regions that maps are scored in and the metrics that they are scored by: where nothing moves or where something does, and of suites of sensors.
+fn judged(moves: bool, suites: bool) -> (Vec<&'static str>, Vec<&'static Criterion>) {
     let (regions, metrics) = if moves { (&MovingRegion::ALL[..], &MOVING[..]) } else { (&[][..], &[][..]) };
+    let of_suites = if suites { &sensed::REGIONS[..] } else { &[] };
     let names = Region::ALL.iter().map(|region| region.name()).chain(regions.iter().map(|region| region.name()));
-    (names.collect(), CRITERIA.iter().chain(metrics).collect())
+    (names.chain(of_suites.iter().copied()).collect(), CRITERIA.iter().chain(metrics).collect())
 }
 
-/// The regions and metrics of these worlds: those of worlds that move where any does.
+/// The regions and metrics of these worlds: those of worlds that move, and of suites of sensors, where any is one.
 pub fn judged_in(worlds: &[WorldScores]) -> (Vec<&'static str>, Vec<&'static Criterion>) {
-    let moves = |map: &MapScores| map.regions.iter().any(|scores| scores.region == MovingRegion::Static.name());
-    judged(worlds.iter().flat_map(|world| &world.maps).any(moves))
+    let maps = || worlds.iter().flat_map(|world| &world.maps);
+    let any = |region: &str| maps().any(|map| map.regions.iter().any(|scores| scores.region == region));
+    judged(any(MovingRegion::Static.name()), any(sensed::IN_REACH))
 }
 
 impl WorldScores {

@@ -29,6 +29,7 @@ use crate::page::{self, Page, Part, Picture, Section, Sheet, Viewer};
 use crate::worlds::kernels;
 use crate::worlds::ranked::{Head, SortOption, legend};
 use crate::worlds::reading;
+use crate::worlds::suspects::{self, Suspect};
 
 /// All that there is to tell.
 pub(super) struct Told<'a> {
@@ -37,14 +38,18 @@ pub(super) struct Told<'a> {
     pub(super) setup: &'a Model,
     pub(super) maps: &'a Maps,
     pub(super) predictions: &'a Predictions,
+    pub(super) suspects: &'a [Suspect],
 }
 
 /// The scores of every sensor by itself, of a log of several.
 const BY_SENSOR: &str = "by-sensor.csv";
 
+/// Every sensor against its own map and those of the others, of a log of several.
+const SUSPECTS: &str = "suspects.csv";
+
 /// Every file that may come of it, beside the record.
 pub(super) fn names(entries: &[&Entry], paper: &Paper) -> Vec<String> {
-    let tables = ["predictions.csv", BY_SENSOR, "differences.csv", "along-time.csv", "report.html"];
+    let tables = ["predictions.csv", BY_SENSOR, SUSPECTS, "differences.csv", "along-time.csv", "report.html"];
     let fixed = tables.into_iter().map(str::to_owned).chain(paper.files(&["along-time.png", "maps.png"]));
     let maps = entries.iter().flat_map(|entry| output::map::names(entry.name));
     let costmaps = entries.iter().flat_map(|entry| output::map::footprint_names(entry.name));
@@ -58,6 +63,7 @@ pub(super) fn write(staging: &mut Staging, recording: &Recording, told: &Told) -
     let by_sensor = told.predictions.by_sensor();
     if told.predictions.sensors.len() > 1 {
         by_sensor.save(staging, BY_SENSOR)?;
+        suspects::table(told.suspects).save(staging, SUSPECTS)?;
     }
     differences.save(staging, "differences.csv")?;
     let (along, baseline) = (&told.predictions.along, &told.predictions.rows[told.predictions.baseline].name);
@@ -93,6 +99,8 @@ pub(super) fn write(staging: &mut Staging, recording: &Recording, told: &Told) -
     ];
     if told.predictions.sensors.len() > 1 {
         predicts.insert(1, Part::Sheet(Sheet::of("The same of every sensor by itself, plain", &by_sensor)));
+        let caption = "Every sensor against its own map, and against the map of the others";
+        predicts.insert(2, Part::Sheet(Sheet::of(caption, &suspects::table(told.suspects))));
     }
     let files = staging.files_and(&["report.html", RECORD]);
     let page = Page {
@@ -279,12 +287,21 @@ fn correct(setup: &Model) -> f64 {
 }
 
 /// Prints what the map shows to be wrong with a log.
-pub(super) fn tell_agreement(place: &str, survey: &Survey, predictions: &Predictions, setup: &Model) {
+pub(super) fn tell_agreement(
+    place: &str,
+    survey: &Survey,
+    predictions: &Predictions,
+    suspects: &[Suspect],
+    setup: &Model,
+) {
     let judged = predictions.agreement.as_ref();
     if let Some(said) = judged.and_then(|judged| judged.agreement.warning(judged.mapper, correct(setup))) {
         output::note(format_args!("warning: {place}: {said}"));
     }
-    for doubt in predictions.doubtful() {
+    let named = suspects::lines(suspects);
+    // Where no sensor is to be told from the others, what is left is that their map does not explain them.
+    let doubts = if named.is_empty() { predictions.doubtful() } else { named };
+    for doubt in doubts {
         output::note(format_args!("warning: {place}: {doubt}"));
     }
     reading::tell_after_mapping(place, &survey.report, fails(predictions, setup));

@@ -4,7 +4,7 @@ use grid::Raster;
 use logs::Sensor;
 use mapper::{Belief, Model, Predictive, Recalibration};
 use score::{SeriesMean, series_mean};
-use sensor::{Scan, SensorModel};
+use sensor::Scan;
 use serde_json::json;
 
 use super::along_time::{self, Along, Kept};
@@ -17,6 +17,7 @@ use crate::failure::Failure;
 use crate::output::table::{Table, optional, rounded};
 use crate::worlds::agreement::{Agreement, Spread};
 use crate::worlds::kernels;
+use crate::worlds::suspects::false_density;
 
 /// The maps' scores.
 pub(super) struct Predictions {
@@ -84,13 +85,6 @@ impl OfSensor {
             )
         })
     }
-}
-
-/// `(1 - P(T)) P(o | not T)`: the density (per unit) of a reading that does not come from the first occupied cell; without an echo, the probability.
-fn false_density(sensor: &dyn SensorModel, reading: f64) -> f64 {
-    const HALF: f64 = 0.5;
-    let in_bin = (1.0 - sensor.correct_match()) * sensor.false_match_probability(reading, HALF);
-    if reading.is_finite() { in_bin / (2.0 * HALF) } else { in_bin }
 }
 
 /// What one scan says of every map.

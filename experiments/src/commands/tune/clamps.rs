@@ -4,7 +4,7 @@ use grid::{DigitalLine, Raster};
 use mapper::{Conventional, ConventionalRule, Mapper as _, Model};
 use sensor::Scan;
 
-/// The maps of [`Conventional`] by rules that differ in their clamps alone, bit by bit. What a reading says of a
+/// The maps of [`Conventional::for_sensors`] by rules that differ in their clamps alone, bit by bit. What a reading says of a
 /// cell, which costs two error functions, does not depend on the clamps and is worked out once.
 ///
 /// # Panics
@@ -22,8 +22,12 @@ pub fn maps<'a>(
     let mut occupancy: Vec<f64> =
         unseen.occupancy().values().iter().flat_map(|p| std::iter::repeat_n(*p, rules.len())).collect();
     let mut line = DigitalLine::default();
-    for (sensor, ray) in scans.into_iter().flat_map(|scan| scan.rays().map(|ray| (setup.sensors.of(scan), ray))) {
+    let of_sensors: Vec<ConventionalRule> =
+        setup.sensors.iter().map(|sensor| any.for_sensor(&**sensor, setup.grid.cell_m)).collect();
+    let rays = scans.into_iter().flat_map(|scan| scan.rays().map(move |ray| (scan, ray)));
+    for (scan, ray) in rays {
         let Some(reading) = ray.reading else { continue };
+        let (sensor, any) = (setup.sensors.of(scan), &of_sensors[scan.sensor]);
         line.trace(&setup.grid, ray.origin_m, ray.direction, f64::INFINITY);
         for (k, &cell) in line.cells().iter().enumerate() {
             let (enter, exit) = (line.ranges()[k], line.ranges()[k + 1]);
@@ -42,8 +46,8 @@ mod tests {
     use std::sync::Arc;
 
     use grid::GridSpec;
-    use mapper::EPSILON;
-    use sensor::{Pose, Stereo};
+    use mapper::{EPSILON, Sensors};
+    use sensor::{Laser, Pose, SensorModel, Stereo};
 
     use super::*;
 
@@ -72,5 +76,26 @@ mod tests {
             assert!(maps[0].values() != maps[1].values() && maps[1].values() != maps[2].values(), "clamps are reached");
         }
         assert!(maps(&setup, &[], &scans).is_empty());
+    }
+
+    /// A bin of so many pixels is the same share of another sensor's.
+    #[test]
+    fn every_sensor_has_its_own_bin() {
+        let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: 60, height: 40 };
+        let sensors: Vec<Arc<dyn SensorModel>> = vec![Arc::new(Stereo::default()), Arc::new(Laser::default())];
+        let setup = Model { sensors: Sensors::new(sensors), ..Model::new(grid, Arc::new(Stereo::default())) };
+        let scan = |k: usize| Scan {
+            sensor: k % 2,
+            time_s: 0.0,
+            pose: Pose { x_m: 0.1 * k as f64, y_m: 1.0, theta_rad: 0.05 * k as f64 },
+            bearings_rad: (-9..=9).map(|b| 0.08 * f64::from(b)).collect(),
+            readings: vec![Some(if k.is_multiple_of(2) { 9.0 } else { 1.6 }); 19],
+        };
+        let scans: Vec<Scan> = (0..12).map(scan).collect();
+        let rule = ConventionalRule { half_width: 0.2, clamp: [0.01, 0.9] };
+        let mut mapper = Conventional::for_sensors(&setup, rule);
+        scans.iter().for_each(|scan| mapper.integrate(scan));
+        assert_eq!(maps(&setup, &[rule], &scans), [mapper.occupancy().clone()]);
+        assert_ne!(Conventional::with(&setup, rule).occupancy(), mapper.occupancy(), "something is seen");
     }
 }

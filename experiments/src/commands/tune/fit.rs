@@ -2,14 +2,15 @@
 
 use grid::Raster;
 use mapper::{Candidate, ConventionalRule};
-use scene::Family;
+use scene::{Family, SimulatedScan};
 use score::{Region, Scorer};
+use sensor::Scan;
 
 use super::candidates::{Tuned, rule};
 use super::clamps;
 use crate::failure::Failure;
 use crate::worlds::estimate::Moments;
-use crate::worlds::site::{Assumptions, Site, WorldId, camera_alone};
+use crate::worlds::site::{Assumptions, Site, WorldId};
 use crate::worlds::witness::Witness;
 
 /// The error of a map over the observable region at the end of the drive.
@@ -41,7 +42,6 @@ pub struct TunedFit {
 /// could be seen.
 pub fn errors(world: &WorldId, family: &Family, candidates: &[Candidate]) -> Result<Vec<Errors>, Failure> {
     let Site { ground, setup } = Site::of_family(family, world, &Assumptions::default())?;
-    camera_alone(&ground.scene, &world.family, "`tune`")?;
     let simulation = scene::simulate(&ground.scene, &ground.world, &ground.drive, world.seed);
     let mut witness = Witness::new(&ground);
     simulation.scans.iter().enumerate().try_for_each(|(scan, simulated)| witness.look(&ground, scan, simulated))?;
@@ -55,18 +55,18 @@ pub fn errors(world: &WorldId, family: &Family, candidates: &[Candidate]) -> Res
         };
         Ok(Errors { log_loss, brier, interval: None })
     };
-    let scans = || simulation.scans.iter().map(|simulated| &simulated.scan);
+    let moments: Vec<Vec<Scan>> = simulation.scans.iter().map(SimulatedScan::together).collect();
     let mut errors = Vec::with_capacity(candidates.len());
     let bin = |candidate: &Candidate| rule(candidate).map(|rule| rule.half_width.to_bits());
     for alike in candidates.chunk_by(|a, b| bin(a).is_some() && bin(a) == bin(b)) {
         let rules: Vec<ConventionalRule> = alike.iter().filter_map(rule).collect();
         if rules.is_empty() {
             let mut mapper = alike[0].build(&setup);
-            scans().for_each(|scan| mapper.integrate(scan));
+            moments.iter().for_each(|scans| mapper.integrate_together(scans));
             mapper.settle();
             errors.push(score(mapper.occupancy())?);
         }
-        for map in clamps::maps(&setup, &rules, scans()) {
+        for map in clamps::maps(&setup, &rules, moments.iter().flatten()) {
             errors.push(score(&map)?);
         }
     }

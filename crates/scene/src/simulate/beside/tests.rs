@@ -207,3 +207,33 @@ fn a_robot_that_lists_sensors_has_a_camera_if_it_says_so() {
     let noisy = ROOM.replace("columns = 40", "columns = 40\ncorrect_match = 0.6");
     assert!((simulated(&format!("{noisy}{SENSORS}"), 3).0.matcher.stereo.correct_match - 0.6).abs() < 1e-15);
 }
+
+/// As of the camera: what fails to match fails again, while the noise, and a laser, are fresh.
+#[test]
+fn images_beside_the_camera_repeat_while_the_robot_stands() {
+    let wide = "[[sensor]]\nkind = \"stereo\"\ncolumns = 200\nfield_of_view_deg = 360.0\nevery = 2\n[[sensor]]\nkind = \"laser\"\nbeams = 50\n";
+    let standing = ROOM.replace("[\"A\", \"B\"]", "[{ at = \"A\", wait_s = 10.0 }, \"B\"]");
+    let (_, simulation) = simulated(&format!("{standing}{wide}"), 5);
+    let [first, second] = [&simulation.scans[0], &simulation.scans[2]];
+    assert_eq!(first.scan.pose, second.scan.pose);
+    let [a, b] = [first, second].map(|scan| &scan.beside[0].scan);
+    let (mut failed, mut fresh) = (0, 0);
+    for (ray, (a, b)) in a.readings.iter().zip(&b.readings).enumerate() {
+        assert_eq!(a.is_some(), b.is_some(), "column {ray} has its edge as before");
+        match a.zip(*b) {
+            Some((a, b)) if a.to_bits() == b.to_bits() => failed += 1,
+            Some((a, b)) => {
+                assert!((a - b).abs() < 4.0, "noise alone: {a} {b}");
+                fresh += 1;
+            }
+            None => {}
+        }
+    }
+    assert!(failed > 5 && fresh > 3 * failed, "a fifth fails: {failed} {fresh}");
+    let [a, b] = [first, second].map(|scan| &scan.beside[1].scan.readings);
+    assert!(a.iter().zip(b).all(|(a, b)| a != b || *a == Some(f64::INFINITY)), "a laser reads anew");
+    // Under way, nothing repeats.
+    let far = &simulation.scans[simulation.scans.len() - 3..];
+    let moving: Vec<_> = far.iter().flat_map(|scan| &scan.beside).filter(|beside| beside.scan.sensor == 1).collect();
+    assert!(moving.windows(2).all(|pair| pair[0].scan.readings != pair[1].scan.readings));
+}
