@@ -42,13 +42,9 @@ pub fn run(mut options: SlamOptions) -> Result<(), Failure> {
     threads::limit(options.threads.count)?;
     let noise = options.noise();
     let entry = entries(std::slice::from_ref(&options.mapper), &Default::default())?[0];
-<<<<<<< HEAD
-    let Source { place, scans, model, truth, camera, report } = Source::of(options)?;
-=======
     let Some(source) = Source::of(&mut options)? else { return Ok(()) };
-    let Source { place, scans, model, truth, report, .. } = source;
+    let Source { place, scans, model, truth, camera, report } = source;
     let options = &options;
->>>>>>> bags
     if let Some((report, sensor)) = &report {
         reading::tell_before_mapping(&place, report);
         reading::tell_idle(&options.given, &place, report, *sensor);
