@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::{self, Cursor, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::container::{Source, bag1, db3, mcap};
 use crate::unpack::{ZSTD, Zstd};
@@ -91,7 +92,7 @@ impl Part {
     /// What is packed, in a file without name in the system's temporary folder, for what is read at any place. What is cut is
     /// unpacked as far as it goes.
     pub(crate) fn unpacked(&self) -> io::Result<File> {
-        let mut whole = tempfile::tempfile()?;
+        let mut whole = nameless()?;
         let mut source = Zstd::new(self.open()?);
         let mut buffer = vec![0; 1 << 16];
         while let Ok(count) = source.read(&mut buffer) {
@@ -103,6 +104,27 @@ impl Part {
         whole.seek(SeekFrom::Start(0))?;
         Ok(whole)
     }
+}
+
+/// A new file in the system's temporary folder that goes when it is closed: its name is taken away at once.
+fn nameless() -> io::Result<File> {
+    static NUMBER: AtomicU64 = AtomicU64::new(0);
+    const TRIES: u32 = 100;
+    let mut found = Err(io::ErrorKind::AlreadyExists.into());
+    for _ in 0..TRIES {
+        let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+        let path = std::env::temp_dir().join(format!("bag-{}-{number}", std::process::id()));
+        found = File::options().read(true).write(true).create_new(true).open(&path);
+        match &found {
+            Ok(_) => {
+                std::fs::remove_file(&path)?;
+                break;
+            }
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+            Err(_) => break,
+        }
+    }
+    found
 }
 
 fn start(source: impl Read) -> io::Result<Vec<u8>> {
