@@ -211,7 +211,7 @@ fn a_robot_that_lists_sensors_has_a_camera_if_it_says_so() {
 /// As of the camera: what fails to match fails again, while the noise, and a laser, are fresh.
 #[test]
 fn images_beside_the_camera_repeat_while_the_robot_stands() {
-    let wide = "[[sensor]]\nkind = \"stereo\"\ncolumns = 200\nfield_of_view_deg = 360.0\nevery = 2\n[[sensor]]\nkind = \"laser\"\nbeams = 50\n";
+    let wide = "[[sensor]]\nkind = \"stereo\"\ncolumns = 1000\nfield_of_view_deg = 360.0\nevery = 2\n[[sensor]]\nkind = \"laser\"\nbeams = 50\n";
     let standing = ROOM.replace("[\"A\", \"B\"]", "[{ at = \"A\", wait_s = 10.0 }, \"B\"]");
     let (_, simulation) = simulated(&format!("{standing}{wide}"), 5);
     let [first, second] = [&simulation.scans[0], &simulation.scans[2]];
@@ -229,7 +229,7 @@ fn images_beside_the_camera_repeat_while_the_robot_stands() {
             None => {}
         }
     }
-    assert!(failed > 5 && fresh > 3 * failed, "a fifth fails: {failed} {fresh}");
+    assert!(failed > 5 && fresh > 2 * failed, "a fifth fails: {failed} {fresh}");
     let [a, b] = [first, second].map(|scan| &scan.beside[1].scan.readings);
     assert!(a.iter().zip(b).all(|(a, b)| a != b || *a == Some(f64::INFINITY)), "a laser reads anew");
     // Under way, nothing repeats.
