@@ -8,6 +8,7 @@ pub(crate) mod decay;
 pub(crate) mod dynamic;
 pub(crate) mod dynamic_grid;
 pub(crate) mod forward_em;
+pub mod gibbs;
 pub(crate) mod hit_count;
 pub(crate) mod log_odds;
 pub mod mrf;

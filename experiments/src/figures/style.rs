@@ -59,7 +59,7 @@ const GREY: Colour = Colour(130, 130, 130);
 
 /// Those that stand for others first: where there are more than colours, the last ones are grey. Of a family all have
 /// the same hue; hues are those of Okabe and Ito (2008) and of Tol (2021), for every eye.
-const MAPPERS: [(&str, Colour, Shape, Dashes); 32] = [
+const MAPPERS: [(&str, Colour, Shape, Dashes); 34] = [
     ("visibility", BLUE, Shape::Circle, Dashes::Solid),
     ("conventional", RED, Shape::Square, Dashes::Solid),
     ("log-odds-octomap", PURPLE, Shape::Diamond, Dashes::Solid),
@@ -85,6 +85,8 @@ const MAPPERS: [(&str, Colour, Shape, Dashes); 32] = [
     ("visibility-dynamic", SKY, Shape::Square, Dashes::Dashed),
     ("log-odds-decay", PURPLE, Shape::Square, Dashes::Dashed),
     ("dynamic-grid", VIOLET, Shape::Diamond, Dashes::Dashed),
+    ("gibbs", VIOLET, Shape::Star, Dashes::Solid),
+    ("gibbs-unchecked", VIOLET, Shape::Star, Dashes::Dashed),
     ("visibility-touched", BLUE, Shape::Square, Dashes::Dashed),
     ("visibility-all-edges", BLUE, Shape::Diamond, Dashes::Dashed),
     ("visibility-reference", BLUE, Shape::Plus, Dashes::Dotted),

@@ -73,6 +73,7 @@ pub fn page(folder: &Folder, record: &Value) -> Result<String, Failure> {
         differences: table(folder, "differences.csv")?,
         repeats: if plan.repeats.is_empty() { Vec::new() } else { table(folder, "repeats.csv")? },
         at_rest: if has(record, "at-rest.csv") { table(folder, "at-rest.csv")? } else { Vec::new() },
+        efficiency: if has(record, "efficiency.csv") { table(folder, "efficiency.csv")? } else { Vec::new() },
     };
     let pictures = folder.pictures(record, &CAPTIONS)?;
     let scores: Vec<Vec<_>> =

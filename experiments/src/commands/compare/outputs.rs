@@ -6,6 +6,7 @@ use mapper::{Prior, Reconciliation};
 use serde::Serialize;
 
 use super::at_rest;
+use super::efficiency;
 use super::findings::Findings;
 use super::plan::{Plan, REFERENCE};
 use super::rows::{self, Rows};
@@ -82,6 +83,7 @@ pub fn rows(plan: &Plan, findings: &Findings) -> Result<Rows, Failure> {
         differences: rows::of(&tables::differences(&findings.judgements, REFERENCE))?,
         repeats: rows::of(&tables::repeats(&findings.repeated))?,
         at_rest: rows::of(&tables::at_rest(&at_rest::rows(&findings.worlds, &plan.names())))?,
+        efficiency: efficiency::rows(&findings.worlds, &findings.scopes, &plan.names()),
     })
 }
 
@@ -96,8 +98,10 @@ pub fn names(plan: &Plan, paper: &Paper) -> Vec<String> {
     paper.files(&FILES).into_iter().chain(plan.names().into_iter().map(scores_of)).chain(kept).collect()
 }
 
-const FILES: [&str; 12] = [
+const FILES: [&str; 14] = [
     "at-rest.csv",
+    "efficiency.csv",
+    "mixing.csv",
     "summary.csv",
     "differences.csv",
     "reliability.csv",
@@ -137,6 +141,12 @@ pub fn write(
     }
     if !rows.at_rest.is_empty() {
         csv("at-rest.csv", tables::at_rest(&rows.at_rest))?;
+    }
+    if worlds.iter().flat_map(|world| &world.maps).any(|map| map.mixing.is_some()) {
+        csv("mixing.csv", tables::mixing(worlds))?;
+    }
+    if !rows.efficiency.is_empty() {
+        csv("efficiency.csv", tables::efficiency(&rows.efficiency))?;
     }
     let pictures = document::pictures(|name| {
         let drawing = match name {

@@ -223,10 +223,19 @@ fn conditions(options: &CompareOptions) -> Result<Vec<&'static str>, Failure> {
     Ok(departures().filter(chosen).map(|condition| condition.name).collect())
 }
 
-/// Mappers that stand in no table unless they are named: rules as published of which the table has the fitted ones, and rules for a
-/// world that moves, which the worlds of this comparison do not.
-pub const ON_REQUEST: [&str; 7] =
-    ["hit-count-gmapping", "hit-count-karto", "tsdf", "mrpt-widening", "wavemap", "log-odds-decay", "dynamic-grid"];
+/// Mappers that stand in no table unless they are named: rules as published of which the table has the fitted ones, rules for a
+/// world that moves, which the worlds of this comparison do not, and sampling, which takes as long as all others together.
+pub const ON_REQUEST: [&str; 9] = [
+    "hit-count-gmapping",
+    "hit-count-karto",
+    "tsdf",
+    "mrpt-widening",
+    "wavemap",
+    "log-odds-decay",
+    "dynamic-grid",
+    "gibbs",
+    "gibbs-unchecked",
+];
 
 fn on_request(entry: &Entry) -> bool {
     ON_REQUEST.contains(&entry.name)

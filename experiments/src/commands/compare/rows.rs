@@ -67,6 +67,21 @@ pub struct Rested {
     pub high: Option<f64>,
 }
 
+/// A row of `efficiency.csv`.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[expect(missing_docs, reason = "the names are those of the columns")]
+pub struct Efficient {
+    pub scope: String,
+    pub mapper: String,
+    pub worlds: usize,
+    pub log_loss: f64,
+    pub prior: f64,
+    pub gibbs: f64,
+    pub efficiency: Option<f64>,
+    pub low: Option<f64>,
+    pub high: Option<f64>,
+}
+
 /// The tables that are shown.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Rows {
@@ -78,6 +93,8 @@ pub struct Rows {
     pub repeats: Vec<Repeat>,
     /// `at-rest.csv`; empty where nobody walks.
     pub at_rest: Vec<Rested>,
+    /// `efficiency.csv`; empty where `gibbs` or `prior` is not among the mappers.
+    pub efficiency: Vec<Efficient>,
 }
 
 impl Difference {
