@@ -61,7 +61,7 @@ fn compare_pairs_a_program_with_the_reference() {
     let args = ["compare", "--families", "attic.toml", "--seeds", "3", "--batch-seeds", "3", "--out", "c"];
     let args = [&args[..], &["--mappers", "visibility,prior", "--quick", "--format", "json"]].concat();
     let (out, err) = checked(3, &args, &run(folder.path(), &args));
-    assert!(err.contains("programs gave no map 3 times, first bad: attic"), "{err}");
+    assert!(err.contains("mappers gave no map 3 times, first bad: attic"), "{err}");
     told_times(&err);
     let rows = rows(&out);
     let mut pairs = 0;

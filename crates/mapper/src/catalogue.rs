@@ -13,6 +13,7 @@ use crate::rules::decay::Decay;
 use crate::rules::dynamic_grid::DynamicGrid;
 use crate::rules::forward_em::ForwardEm;
 use crate::rules::fusion::{Fusion, PerSensor};
+use crate::rules::gibbs::{Gibbs, Sampling};
 use crate::rules::hit_count::{HitCount, HitCounter};
 use crate::rules::log_odds::{ConstantIncrements, LogOdds};
 use crate::rules::mrf::{Field, Mrf};
@@ -292,6 +293,20 @@ pub const MAPPERS: &[Entry] = &[
         source: "Rachlin et al. 2005",
         kind: Kind::Batch,
         build: &|model| Box::new(Mrf::new(model, Field::TUNED.tuned(&model.tuning))),
+    },
+    Entry {
+        name: "gibbs",
+        summary: "the posterior over whole maps, by sampling; none where chains do not agree",
+        source: "Merali and Barfoot 2013",
+        kind: Kind::Batch,
+        build: &|model| Box::new(Gibbs::new(model, Sampling::TUNED)),
+    },
+    Entry {
+        name: "gibbs-unchecked",
+        summary: "the same in a sixteenth of the sweeps, also where its chains do not agree",
+        source: "Merali and Barfoot 2013",
+        kind: Kind::Batch,
+        build: &|model| Box::new(Gibbs::new(model, Sampling::UNCHECKED)),
     },
     Entry {
         name: "visibility-touched",

@@ -2,6 +2,7 @@
 
 use grid::Raster;
 use sensor::Scan;
+use serde::{Deserialize, Serialize};
 
 use crate::memory::Held as _;
 use crate::pairs::grid::PairwiseGrid;
@@ -77,6 +78,17 @@ pub trait Mapper: Send {
         false
     }
 
+    /// How well the draws of a mapper that samples agree, of the last [`settle`](Self::settle); none of any other.
+    fn mixing(&self) -> Option<&Mixing> {
+        None
+    }
+
+    /// Why there is no map: what [`occupancy`](Self::occupancy) then gives is the prior, and is not to be scored. A program that
+    /// failed, or draws that do not agree.
+    fn fault(&self) -> Option<String> {
+        self.outside().and_then(|outside| outside.fault.clone())
+    }
+
     /// What became of the program that does the work of a mapper in another process; none of a mapper that works in this one.
     fn outside(&self) -> Option<&Outside> {
         None
@@ -92,6 +104,50 @@ pub struct Outside {
     pub fault: Option<String>,
     /// What the process wrote to its standard error, as far as that is kept.
     pub stderr: String,
+}
+
+/// How well the chains of a mapper that samples agree, and what their draws are worth.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Mixing {
+    /// Number of chains.
+    pub chains: usize,
+    /// Sweeps of each chain that are averaged.
+    pub sweeps: usize,
+    /// Split R-hat of the log posterior.
+    pub log_posterior: f64,
+    /// Cells with 0.1 < p < 0.9 ...
+    pub cells: usize,
+    /// ... and the share of them whose split R-hat is below [`R_HAT`](Self::R_HAT); 1 where there are none.
+    pub share: f64,
+    /// Effective sample size of the log posterior.
+    pub effective_log_posterior: f64,
+    /// Median over these cells of the effective sample size of their probability.
+    pub effective: f64,
+}
+
+impl Mixing {
+    /// Chains agree on a number where its split R-hat is less.
+    pub const R_HAT: f64 = 1.05;
+    /// Share of the cells with 0.1 < p < 0.9 that chains must agree on.
+    pub const SHARE: f64 = 0.95;
+
+    /// Whether the chains agree on the log posterior and on enough cells.
+    pub fn is_enough(&self) -> bool {
+        self.log_posterior < Self::R_HAT && self.share >= Self::SHARE
+    }
+}
+
+impl std::fmt::Display for Mixing {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { chains, sweeps, log_posterior, cells, share, effective_log_posterior, effective } = self;
+        write!(
+            f,
+            "{chains} chains of {sweeps} sweeps: R-hat {log_posterior:.3} of the log posterior, below {} on {:.1} % of {cells} cells with 0.1 < p < 0.9; \
+             effective samples {effective_log_posterior:.0} of the log posterior, {effective:.0} of such a cell",
+            Self::R_HAT,
+            100.0 * share
+        )
+    }
 }
 
 /// What a mapper has done since it was made, and the memory that it holds.

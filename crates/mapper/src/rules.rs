@@ -9,6 +9,7 @@ pub(crate) mod dynamic;
 pub(crate) mod dynamic_grid;
 pub(crate) mod forward_em;
 pub(crate) mod fusion;
+pub mod gibbs;
 pub(crate) mod hit_count;
 pub(crate) mod log_odds;
 pub mod mrf;

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use grid::{DigitalLine, GridSpec};
-use mapper::{Field, ForwardEm, Mapper as _, Model, Mrf, Prior, mrf};
+use mapper::gibbs::field::BlockField;
+use mapper::{Field, ForwardEm, Gibbs, Mapper as _, Model, Mrf, Prior, Sampling, Unmixed, mrf};
 use proptest::prelude::*;
 use rand::SeedableRng as _;
 use rand_chacha::ChaCha8Rng;
@@ -224,4 +225,93 @@ fn loopy_beliefs_stay_near_the_exact_marginals() {
         }
     }
     assert!(sum / cells < 0.02 && worst < 0.3, "mean {} worst {worst}", sum / cells);
+}
+
+/// The prior of [`Gibbs`] from the map alone: blocks of 3 x 3 cells looked up cell by cell, the border's own cells beyond it.
+fn blocks(setup: &Model, field: &BlockField, map: u32) -> f64 {
+    let GridSpec { width, height, .. } = setup.grid;
+    let weight = |centre: usize| {
+        let (column, row) = setup.grid.column_row(centre);
+        let on = |bit: &usize| {
+            let x = (column + bit % 3).saturating_sub(1).min(width - 1);
+            let y = (row + bit / 3).saturating_sub(1).min(height - 1);
+            map >> setup.grid.index(x, y) & 1 == 1
+        };
+        field.weight((0..9).filter(on).map(|bit| 1 << bit).sum())
+    };
+    (0..setup.grid.cells()).map(weight).sum::<f64>().exp()
+}
+
+/// All 2^9 maps, a dozen rays, a soft field and long chains: marginals agree within the error of their effective draws, and the chains with
+/// each other.
+#[test]
+fn gibbs_samples_the_posterior() {
+    let setup = setup(3, 3);
+    let plain = Sampling {
+        weight: 1.0,
+        leak: 0.0,
+        strength: 0.3,
+        sweeps: 4000,
+        most: 4000,
+        unmixed: Unmixed::Shown,
+        ..Sampling::TUNED
+    };
+    let field = plain.field(&setup);
+    let mut rng = ChaCha8Rng::seed_from_u64(27);
+    let mut farthest: f64 = 0.0;
+    for _ in 0..12 {
+        let looks = random_looks(&mut rng, 12);
+        let rays = Rays::new(&setup, &looks);
+        let exact = marginals(9, |map| rays.likelihood(map) * blocks(&setup, &field, map));
+        let mut mapper = Gibbs::new(&setup, plain);
+        looks.iter().for_each(|look| mapper.integrate(&scan(look)));
+        mapper.settle();
+        let mixing = mapper.mixing().expect("solved");
+        assert!(mixing.is_enough() && mapper.fault().is_none(), "{mixing}");
+        for (p, exact) in mapper.occupancy().values().iter().zip(&exact) {
+            assert!((p - exact).abs() < 0.03, "{p} {exact}: {mixing}");
+            farthest = farthest.max((p - 0.2).abs());
+        }
+    }
+    assert!(farthest > 0.3, "the readings say something: {farthest}");
+}
+
+/// Draws follow from the seed alone, whatever the number of threads.
+#[test]
+fn gibbs_is_the_same_for_any_threads() {
+    let setup = setup(6, 5);
+    let looks = random_looks(&mut ChaCha8Rng::seed_from_u64(4), 40);
+    let map = |threads: usize, seed: u64| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| {
+            let sampling = Sampling { seed, sweeps: 50, most: 100, unmixed: Unmixed::Shown, ..Sampling::TUNED };
+            let mut mapper = Gibbs::new(&setup, sampling);
+            looks.iter().for_each(|look| mapper.integrate(&scan(look)));
+            mapper.settle();
+            mapper.occupancy().values().iter().map(|p| p.to_bits()).collect::<Vec<_>>()
+        })
+    };
+    assert_eq!(map(1, 1), map(3, 1));
+    assert_ne!(map(1, 1), map(1, 2));
+}
+
+/// Two answers to one question that single steps do not lead between: there is no map, and it is said why; `Shown` has one.
+#[test]
+fn gibbs_refuses_where_chains_do_not_agree() {
+    let setup = setup(6, 6);
+    let looks = random_looks(&mut ChaCha8Rng::seed_from_u64(9), 30);
+    let mapped = |unmixed| {
+        let hasty = Sampling { strength: 2.0, sweeps: 10, most: 10, unmixed, ..Sampling::TUNED };
+        let mut mapper = Gibbs::new(&setup, hasty);
+        looks.iter().for_each(|look| mapper.integrate(&scan(look)));
+        mapper.settle();
+        mapper
+    };
+    let (refused, shown) = (mapped(Unmixed::Refused), mapped(Unmixed::Shown));
+    assert!(!refused.mixing().expect("solved").is_enough(), "ten sweeps are too few");
+    let fault = refused.fault().expect("refused");
+    assert!(fault.starts_with("the chains do not agree: 4 chains of 10 sweeps: R-hat "), "{fault}");
+    assert!(refused.occupancy().values().iter().all(|p| (p - 0.2).abs() < 1e-12), "the prior");
+    assert!(shown.fault().is_none() && shown.mixing() == refused.mixing());
+    assert!(shown.occupancy().values().iter().any(|p| (p - 0.2).abs() > 0.1));
 }

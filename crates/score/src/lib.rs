@@ -64,8 +64,8 @@ pub use scorer::Scorer;
 pub use scores::Scores;
 pub use sight::{NUDGE_M, SHELL_DEPTH_M, Sight, Sightings};
 pub use statistics::{
-    Better, Comparison, EXACT_PAIRS, FEWEST_PAIRS, Interval, Margin, RESAMPLES, SIGNIFICANCE, SeriesMean, SignedRank,
-    StatisticsError, Verdict, holm, holm_table, series_mean,
+    Better, Comparison, EXACT_PAIRS, FEWEST_PAIRS, Interval, Margin, RESAMPLES, Ratio, SIGNIFICANCE, SeriesMean,
+    SignedRank, StatisticsError, Verdict, holm, holm_table, ratio_of_means, series_mean,
 };
 pub use summary::Summary;
 pub use suspicion::{Suspicion, suspicion};

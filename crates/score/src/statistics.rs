@@ -7,6 +7,7 @@ mod differences;
 mod error;
 mod holm;
 mod normal;
+mod ratio;
 mod signed_rank;
 mod verdict;
 
@@ -15,5 +16,6 @@ pub use bootstrap::{Interval, RESAMPLES};
 pub use comparison::{Comparison, FEWEST_PAIRS, SIGNIFICANCE};
 pub use error::StatisticsError;
 pub use holm::{holm, holm_table};
+pub use ratio::{Ratio, ratio_of_means};
 pub use signed_rank::{EXACT_PAIRS, SignedRank};
 pub use verdict::{Better, Margin, Verdict};

@@ -9,6 +9,7 @@ mod at_rest;
 mod board;
 pub mod claims;
 pub mod document;
+mod efficiency;
 pub mod figures;
 pub mod findings;
 pub mod forest;

@@ -19,11 +19,12 @@ macro_rules! pages {
     ($($name:literal),* $(,)?) => { [$(($name, include_str!(concat!("../../guide/", $name, ".md")))),*] };
 }
 
-const PAGES: [(&str, &str); 29] = pages![
+const PAGES: [(&str, &str); 30] = pages![
     "introduction",
     "commands",
     "room",
     "compare",
+    "gibbs",
     "drives",
     "ray",
     "sensor",

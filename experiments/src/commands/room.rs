@@ -78,6 +78,7 @@ pub fn run(options: &RoomOptions) -> Result<(), Failure> {
 
     let text = || summary::text(&ground, &trials, &stages, &claims, &options.order);
     options.order.of(metrics, &[]).print(options.format, text)?;
+    mixing(&trials);
     times::tell();
     let place = out.join("report.html");
     options.open.show(&place);
@@ -93,6 +94,15 @@ pub fn run(options: &RoomOptions) -> Result<(), Failure> {
     }
     claims::all_hold(&claims)?;
     faults::none(&programs::faults(&trials, &stages))
+}
+
+/// Says how well the draws of mappers that sample agree at the end of the drive.
+fn mixing(trials: &[Trial]) {
+    for (trial, run) in trials.iter().flat_map(|trial| trial.runs.iter().map(move |run| (trial, run))) {
+        if let Some(mixing) = run.mixing {
+            note(format_args!("{}: seed {}: {mixing}", run.mapper, trial.seed));
+        }
+    }
 }
 
 fn seeds(options: &RoomOptions) -> Result<Vec<u64>, Failure> {

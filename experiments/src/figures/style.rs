@@ -59,7 +59,7 @@ const GREY: Colour = Colour(130, 130, 130);
 
 /// Those that stand for others first: where there are more than colours, the last ones are grey. Of a family all have
 /// the same hue; hues are those of Okabe and Ito (2008) and of Tol (2021), for every eye.
-const MAPPERS: [(&str, Colour, Shape, Dashes); 37] = [
+const MAPPERS: [(&str, Colour, Shape, Dashes); 39] = [
     ("visibility", BLUE, Shape::Circle, Dashes::Solid),
     ("conventional", RED, Shape::Square, Dashes::Solid),
     ("log-odds-octomap", PURPLE, Shape::Diamond, Dashes::Solid),
@@ -90,6 +90,8 @@ const MAPPERS: [(&str, Colour, Shape, Dashes); 37] = [
     ("octomap-maximum", PURPLE, Shape::Flag, Dashes::Dotted),
     ("miura-2002", RED, Shape::Diamond, Dashes::Dotted),
     ("sonar-moravec", OLIVE, Shape::Diamond, Dashes::Solid),
+    ("gibbs", VIOLET, Shape::Star, Dashes::Solid),
+    ("gibbs-unchecked", VIOLET, Shape::Star, Dashes::Dashed),
     ("visibility-touched", BLUE, Shape::Square, Dashes::Dashed),
     ("visibility-all-edges", BLUE, Shape::Diamond, Dashes::Dashed),
     ("visibility-reference", BLUE, Shape::Plus, Dashes::Dotted),

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use grid::Raster;
 use mapper::catalogue::{Entry, Kind};
-use mapper::{Mapper, Model};
+use mapper::{Mapper, Mixing, Model};
 use rayon::prelude::*;
 use scene::{SimulatedScan, Simulation};
 use score::{Alignment, Lag, Metric, MovingRegion, Region, Retention, Scorer, Sightings, log_loss};
@@ -54,6 +54,8 @@ pub struct Run {
     pub timeline: Vec<Moment>,
     /// The maps asked for; of a batch mapper those at the end of a stage.
     pub frames: Vec<Frame>,
+    /// How well its draws agreed at the last stage, of a mapper that samples.
+    pub mixing: Option<Mixing>,
     /// What became of the program that did the work, of a mapper that works in another process.
     pub program: Option<ProgramRun>,
 }
@@ -82,7 +84,7 @@ pub struct StageMap {
     pub occupancy: Raster<f64>,
     /// Every metric of every region, without values where there is no map.
     pub scores: Vec<RegionScore>,
-    /// Why there is no map, of a program that gave none.
+    /// Why there is no map, of a program that gave none or of draws that do not agree.
     pub fault: Option<String>,
 }
 
@@ -310,6 +312,7 @@ impl Walk {
             stages: Vec::new(),
             timeline: Vec::new(),
             frames: Vec::new(),
+            mixing: None,
             program: mapper.outside().map(|_| ProgramRun::default()),
         };
         let truth = ground.still();
@@ -380,11 +383,13 @@ impl Walk {
         Ok(())
     }
 
-    /// Takes down what became of a program that works for the mapper; gives why there is no map, if there is none.
+    /// Takes down what became of a program that works for the mapper, and how well draws agree; gives why there is no map, if there is none.
     fn account(&mut self, stages: usize) -> Option<String> {
-        let (program, outside) = (self.run.program.as_mut()?, self.mapper.outside()?);
-        program.stderr.extend((0..stages).map(|_| outside.stderr.clone()));
-        outside.fault.clone()
+        if let (Some(program), Some(outside)) = (self.run.program.as_mut(), self.mapper.outside()) {
+            program.stderr.extend((0..stages).map(|_| outside.stderr.clone()));
+        }
+        self.run.mixing = self.mapper.mixing().copied();
+        self.mapper.fault()
     }
 }
 

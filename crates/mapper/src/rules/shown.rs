@@ -3,7 +3,7 @@
 use grid::Raster;
 use sensor::{Scan, SensorModel};
 
-use crate::mapper::{Mapper, Outside, Work};
+use crate::mapper::{Mapper, Mixing, Outside, Work};
 use crate::memory::Held as _;
 use crate::model::{Model, Sensors};
 use crate::pairs::grid::PairwiseGrid;
@@ -94,6 +94,14 @@ impl<C: Choice + 'static> Mapper for Shown<C> {
 
     fn leaves_out(&self) -> bool {
         self.choice.leaves_out() || self.inner.leaves_out()
+    }
+
+    fn mixing(&self) -> Option<&Mixing> {
+        self.inner.mixing()
+    }
+
+    fn fault(&self) -> Option<String> {
+        self.inner.fault()
     }
 
     fn outside(&self) -> Option<&Outside> {

@@ -74,6 +74,7 @@ pub fn page(folder: &Folder, record: &Value) -> Result<String, Failure> {
         repeats: if plan.repeats.is_empty() { Vec::new() } else { table(folder, "repeats.csv")? },
         at_rest: if has(record, "at-rest.csv") { table(folder, "at-rest.csv")? } else { Vec::new() },
         sensors: if has(record, "sensors.csv") { table(folder, "sensors.csv")? } else { Vec::new() },
+        efficiency: if has(record, "efficiency.csv") { table(folder, "efficiency.csv")? } else { Vec::new() },
     };
     let pictures = folder.pictures(record, &CAPTIONS)?;
     let scores: Vec<Vec<_>> =

@@ -7,6 +7,7 @@ use serde_json::Value;
 
 use super::answer::answer;
 use super::at_rest;
+use super::efficiency;
 use super::figures::CAPTIONS;
 use super::plan::Plan;
 use super::repeats::Readings;
@@ -34,6 +35,7 @@ pub fn sections(plan: &Plan, rows: &Rows, pictures: &[Picture]) -> Vec<Section> 
             ["log_loss", "brier"].map(|metric| Part::Sheet(sheets::parts(rows, &mappers, &parts, metric, Width::Page))),
         );
     }
+    places.extend(efficiency::sheet(&rows.efficiency, &parts, Width::Page).map(Part::Sheet));
     let shown = |region: &&str| rows.means.iter().any(|mean| mean.region == **region);
     let regions = Region::ALL.iter().map(|region| region.name());
     let others = MovingRegion::ALL.iter().map(|region| region.name()).chain(sensed::REGIONS);

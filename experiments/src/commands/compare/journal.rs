@@ -97,6 +97,7 @@ mod tests {
             reliability: Vec::new(),
             range: Vec::new(),
             looks: Vec::new(),
+            mixing: None,
             fault: None,
         };
         WorldScores { job, maps: vec![map], at_rest: Vec::new() }

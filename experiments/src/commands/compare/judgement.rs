@@ -158,6 +158,7 @@ mod tests {
             reliability: Vec::new(),
             range: Vec::new(),
             looks: Vec::new(),
+            mixing: None,
             fault: None,
         };
         let world = |(k, [ours, theirs]): (usize, &[Option<f64>; 2])| {

@@ -6,6 +6,7 @@ use mapper::{Prior, Reconciliation};
 use serde::Serialize;
 
 use super::at_rest;
+use super::efficiency;
 use super::findings::Findings;
 use super::plan::{Plan, REFERENCE};
 use super::rows::{self, Rows};
@@ -83,6 +84,7 @@ pub fn rows(plan: &Plan, findings: &Findings) -> Result<Rows, Failure> {
         repeats: rows::of(&tables::repeats(&findings.repeated))?,
         at_rest: rows::of(&tables::at_rest(&at_rest::rows(&findings.worlds, &plan.names())))?,
         sensors: rows::of(&sensors::table(&sensors::rows(plan, &findings.worlds)?))?,
+        efficiency: efficiency::rows(&findings.worlds, &findings.scopes, &plan.names()),
     })
 }
 
@@ -97,9 +99,11 @@ pub fn names(plan: &Plan, paper: &Paper) -> Vec<String> {
     paper.files(&FILES).into_iter().chain(plan.names().into_iter().map(scores_of)).chain(kept).collect()
 }
 
-const FILES: [&str; 13] = [
+const FILES: [&str; 15] = [
     "at-rest.csv",
     "sensors.csv",
+    "efficiency.csv",
+    "mixing.csv",
     "summary.csv",
     "differences.csv",
     "reliability.csv",
@@ -142,6 +146,12 @@ pub fn write(
     }
     if !rows.sensors.is_empty() {
         csv("sensors.csv", sensors::table(&rows.sensors))?;
+    }
+    if worlds.iter().flat_map(|world| &world.maps).any(|map| map.mixing.is_some()) {
+        csv("mixing.csv", tables::mixing(worlds))?;
+    }
+    if !rows.efficiency.is_empty() {
+        csv("efficiency.csv", tables::efficiency(&rows.efficiency))?;
     }
     let pictures = document::pictures(|name| {
         let drawing = match name {

@@ -271,8 +271,9 @@ const OF_SENSORS: [&str; 9] = [
 ];
 
 /// Mappers that stand in no table unless they are named: rules as published of which the table has the fitted ones, rules for a
-/// world that moves, which the worlds of this comparison do not, and rules for several sensors, which most robots here have not.
-pub const ON_REQUEST: [&str; 12] = [
+/// world that moves, which the worlds of this comparison do not, rules for several sensors, which most robots here have not, and
+/// sampling, which takes as long as all others together.
+pub const ON_REQUEST: [&str; 14] = [
     "hit-count-gmapping",
     "hit-count-karto",
     "tsdf",
@@ -285,6 +286,8 @@ pub const ON_REQUEST: [&str; 12] = [
     "visibility-maximum",
     "octomap-maximum",
     "miura-2002",
+    "gibbs",
+    "gibbs-unchecked",
 ];
 
 fn on_request(entry: &Entry) -> bool {

@@ -208,8 +208,8 @@ impl Judge<'_> {
                 continue;
             }
             mapper.settle();
-            // A program that gives no map has no values.
-            let has_map = mapper.outside().is_none_or(|outside| outside.fault.is_none());
+            // What gives no map has no values.
+            let has_map = mapper.fault().is_none();
             if let Some(retention) = retention.as_mut().filter(|_| has_map) {
                 retention.observe(&self.visible, mapper.occupancy())?;
             }

@@ -86,6 +86,21 @@ pub struct Sensed {
     pub not_worse: Option<bool>,
 }
 
+/// A row of `efficiency.csv`.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[expect(missing_docs, reason = "the names are those of the columns")]
+pub struct Efficient {
+    pub scope: String,
+    pub mapper: String,
+    pub worlds: usize,
+    pub log_loss: f64,
+    pub prior: f64,
+    pub gibbs: f64,
+    pub efficiency: Option<f64>,
+    pub low: Option<f64>,
+    pub high: Option<f64>,
+}
+
 /// The tables that are shown.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Rows {
@@ -99,6 +114,8 @@ pub struct Rows {
     pub at_rest: Vec<Rested>,
     /// `sensors.csv`; empty but of suites of sensors.
     pub sensors: Vec<Sensed>,
+    /// `efficiency.csv`; empty where `gibbs` or `prior` is not among the mappers.
+    pub efficiency: Vec<Efficient>,
 }
 
 impl Difference {

@@ -5,10 +5,11 @@ use serde_json::json;
 
 use super::judgement::{Judgement, Scope};
 use super::repeats::Repeated;
-use super::rows::Rested;
+use super::rows::{Efficient, Rested};
 use super::world::{ErrorSum, MapScores, WorldScores, judged_in};
 use crate::output::table::{Table, optional, rounded};
 use crate::worlds::criteria::Criterion;
+use crate::worlds::site::WorldId;
 
 /// Every metric of a mapper in every world and region: a row each, a column per metric.
 pub fn scores(worlds: &[WorldScores], mapper: &str) -> Table {
@@ -203,6 +204,53 @@ pub fn at_rest(rows: &[Rested]) -> Table {
             ("static_accuracy", &|r| rounded(r.static_accuracy)),
             ("at_rest", &|r| rounded(r.at_rest)),
             ("points_less", &|r| rounded(r.points_less)),
+            ("low", &|r| optional(r.low)),
+            ("high", &|r| optional(r.high)),
+        ],
+    )
+}
+
+/// How well the draws of mappers that sample agree, world by world; a mapper without a map says why in the table of its scores.
+pub fn mixing(worlds: &[WorldScores]) -> Table {
+    let of_world = |world: &'_ WorldScores| {
+        let WorldId { condition, family, seed, .. } = world.job.world.clone();
+        let sampled = world.maps.iter().filter_map(|map| Some((map.mapper.clone(), map.mixing?)));
+        sampled
+            .map(move |(mapper, mixing)| (condition.clone(), family.clone(), seed, mapper, mixing))
+            .collect::<Vec<_>>()
+    };
+    let rows: Vec<_> = worlds.iter().flat_map(of_world).collect();
+    Table::of(
+        &rows,
+        &[
+            ("condition", &|row| json!(row.0)),
+            ("family", &|row| json!(row.1)),
+            ("seed", &|row| json!(row.2)),
+            ("mapper", &|row| json!(row.3)),
+            ("chains", &|row| json!(row.4.chains)),
+            ("sweeps", &|row| json!(row.4.sweeps)),
+            ("r_hat_log_posterior", &|row| optional(Some(row.4.log_posterior).filter(|r_hat| r_hat.is_finite()))),
+            ("cells", &|row| json!(row.4.cells)),
+            ("share_below_1_05", &|row| rounded(row.4.share)),
+            ("effective_log_posterior", &|row| rounded(row.4.effective_log_posterior)),
+            ("effective_median", &|row| rounded(row.4.effective)),
+            ("agree", &|row| json!(row.4.is_enough())),
+        ],
+    )
+}
+
+/// How far every mapper goes of the way from the prior to `gibbs`.
+pub fn efficiency(rows: &[Efficient]) -> Table {
+    Table::of(
+        rows,
+        &[
+            ("scope", &|r| json!(r.scope)),
+            ("mapper", &|r| json!(r.mapper)),
+            ("worlds", &|r| json!(r.worlds)),
+            ("log_loss", &|r| rounded(r.log_loss)),
+            ("prior", &|r| rounded(r.prior)),
+            ("gibbs", &|r| rounded(r.gibbs)),
+            ("efficiency", &|r| optional(r.efficiency)),
             ("low", &|r| optional(r.low)),
             ("high", &|r| optional(r.high)),
         ],

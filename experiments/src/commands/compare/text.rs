@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use mapper::catalogue::Kind;
 
 use super::at_rest;
+use super::efficiency;
 use super::plan::Plan;
 use super::rows::Rows;
 use super::sensors;
@@ -43,6 +44,7 @@ fn sheets(plan: &Plan, rows: &Rows) -> Vec<Sheet> {
     for metric in ["log_loss", "brier"] {
         shown.push(sheet::differences(rows, &mappers, ALL, OBSERVABLE, metric, Width::Terminal));
     }
+    shown.extend(efficiency::sheet(&rows.efficiency, &parts, Width::Terminal));
     shown.extend(sheet::moved(rows, &mappers, Width::Terminal));
     shown.extend(at_rest::sheet(&rows.at_rest, Width::Terminal));
     shown.extend(sheet::drives(rows, &mappers, Width::Terminal));

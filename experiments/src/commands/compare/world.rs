@@ -1,6 +1,7 @@
 //! One world, mapped by every mapper and scored: plain values that can be kept and read again.
 
 use grid::Raster;
+use mapper::Mixing;
 use mapper::catalogue::{Entry, Kind};
 use score::{
     ErrorProfile, LOOK_EDGES, MovingRegion, PROBABILITY_EDGES, ProbabilityBin, RANGE_EDGES_M, Region, error_profile,
@@ -62,7 +63,10 @@ pub struct MapScores {
     pub range: Vec<ErrorSum>,
     /// ... and against [`LOOK_EDGES`].
     pub looks: Vec<ErrorSum>,
-    /// Why there is no map, of a program that gave none; all else is then without values.
+    /// How well its draws agree, of a mapper that samples.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mixing: Option<Mixing>,
+    /// Why there is no map, of a program that gave none or of draws that do not agree; all else is then without values.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fault: Option<String>,
 }
@@ -136,7 +140,7 @@ impl WorldJob {
             let (names, metrics) = judged(ground.moves(), ground.sensed.is_some());
             let regions = names.iter().map(|region| region_scores(trial, run, region, &metrics)).collect();
             if let Some(fault) = &end.fault {
-                return Ok(MapScores::without_map(run.mapper, regions, fault));
+                return Ok(MapScores { mixing: run.mixing, ..MapScores::without_map(run.mapper, regions, fault) });
             }
             Ok(MapScores {
                 mapper: run.mapper.to_owned(),
@@ -144,6 +148,7 @@ impl WorldJob {
                 reliability: probability_bins(map, &ground.truth, &observable)?,
                 range: profile(trial.seen.nearest_m(), &RANGE_EDGES_M)?,
                 looks: profile(&looks, &LOOK_EDGES)?,
+                mixing: run.mixing,
                 fault: None,
             })
         };
@@ -153,7 +158,7 @@ impl WorldJob {
 }
 
 impl MapScores {
-    /// What there is of a program that gave no map.
+    /// What there is of a mapper that gave no map.
     fn without_map(mapper: &str, regions: Vec<RegionScores>, fault: &str) -> Self {
         let none = |edges: &[f64]| vec![ErrorSum::default(); edges.len() - 1];
         Self {
@@ -162,6 +167,7 @@ impl MapScores {
             reliability: vec![ProbabilityBin::default(); PROBABILITY_EDGES.len() - 1],
             range: none(&RANGE_EDGES_M),
             looks: none(&LOOK_EDGES),
+            mixing: None,
             fault: Some(fault.to_owned()),
         }
     }

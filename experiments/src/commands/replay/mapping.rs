@@ -21,7 +21,7 @@ use crate::worlds::seen::{Reach, Seen};
 /// What mappers made of the scans that were not kept back.
 pub(super) struct Maps {
     pub(super) maps: Vec<Map>,
-    /// Mappers that gave no map, which only programs can be, and why.
+    /// Mappers that gave no map, and why: programs, and those whose draws do not agree.
     pub(super) faults: Vec<(&'static str, String)>,
     /// Cells that a beam crossed or ended in.
     pub(super) seen: Raster<bool>,
@@ -80,11 +80,14 @@ pub(super) fn map(
     progress.finish();
     let (mut maps, mut faults) = (Vec::new(), Vec::new());
     for (entry, mapper) in entries.iter().zip(&mappers) {
-        match mapper.outside().and_then(|outside| outside.fault.clone()) {
+        match mapper.fault() {
             Some(fault) => faults.push((entry.name, fault)),
             None => {
                 maps.push(Map { mapper: entry.name, occupancy: mapper.occupancy().clone(), pairs: mapper.pairwise() })
             }
+        }
+        if let Some(mixing) = mapper.mixing() {
+            note(format_args!("{}: {mixing}", entry.name));
         }
         if let Some(outside) = mapper.outside() {
             note(format_args!("{}: {:.2} s in its process", entry.name, outside.seconds));

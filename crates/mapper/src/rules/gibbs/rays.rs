@@ -1,0 +1,115 @@
+//! All rays, as a map's changes see them: by ray and by cell.
+
+use crate::memory::Held;
+use crate::rules::readings::Readings;
+
+/// A likelihood below this share of the ray's largest counts as this: it keeps logarithms finite.
+const LEAST: f64 = 1e-12;
+
+/// Chance that a ray that has passed its first occupied cell passes the next one too.
+const GOES_ON: f64 = 0.7;
+
+/// What a reading says, beyond the likelihood of its sensor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Reading {
+    /// Weight of its log likelihood, above 0.
+    pub(super) weight: f64,
+    /// Share of rays that pass the first occupied cell, 0 up to but not including 1.
+    pub(super) leak: f64,
+}
+
+/// The log likelihoods of all readings by the first occupied cell of their rays, times the weight of a reading.
+///
+/// A cell is occupied where a wall covers it in part, and rays pass it then, most of all those that graze the wall: with the chance `leak` the
+/// ray ends in one of the cells behind, in the next with the chance 0.3, in the one after that with 0.7 times 0.3, and so on, whatever stands there.
+///
+/// Entries number the cells of all rays as in [`Readings::cells`].
+pub(super) struct Rays<'a> {
+    readings: &'a Readings,
+    /// What a ray is worth if its first occupied cell is this entry, nats.
+    log: Vec<f64>,
+    /// What a ray is worth if none of its cells is occupied, nats.
+    none: Vec<f64>,
+    /// Begin of each cell's rays in `through`.
+    starts: Vec<usize>,
+    /// Ray and entry, cell by cell, rays rising.
+    through: Vec<(u32, u32)>,
+}
+
+impl<'a> Rays<'a> {
+    /// Indexes the readings of a map of so many cells. O(entries).
+    pub(super) fn new(readings: &'a Readings, cells: usize, Reading { weight, leak }: Reading) -> Self {
+        let mut starts = vec![0; cells + 1];
+        for &cell in readings.cells() {
+            starts[cell as usize + 1] += 1;
+        }
+        for cell in 0..cells {
+            starts[cell + 1] += starts[cell];
+        }
+        let mut next = starts.clone();
+        let mut through = vec![(0, 0); readings.cells().len()];
+        let (mut log, mut none) = (Vec::with_capacity(through.len()), Vec::with_capacity(readings.rays()));
+        for ray in 0..readings.rays() {
+            let likelihood = &readings.likelihood()[readings.span(ray)];
+            let most = likelihood.iter().copied().fold(readings.none(ray), f64::max);
+            // A reading that no map explains says nothing.
+            let of = |l: f64| if most > 0.0 { weight * libm::log((l / most).max(LEAST)) } else { 0.0 };
+            // What a ray ends in that passes its first occupied cell: most likely one of the next.
+            let mut after = readings.none(ray);
+            let begin = log.len();
+            for &l in likelihood.iter().rev() {
+                log.push(of((1.0 - leak) * l + leak * after));
+                after = GOES_ON * after + (1.0 - GOES_ON) * l;
+            }
+            log[begin..].reverse();
+            none.push(of(readings.none(ray)));
+            for entry in readings.span(ray) {
+                let slot = &mut next[readings.cells()[entry] as usize];
+                through[*slot] = (ray as u32, entry as u32);
+                *slot += 1;
+            }
+        }
+        Self { readings, log, none, starts, through }
+    }
+
+    /// Number of rays.
+    pub(super) fn count(&self) -> usize {
+        self.readings.rays()
+    }
+
+    /// Entries of a ray.
+    pub(super) fn span(&self, ray: usize) -> std::ops::Range<usize> {
+        self.readings.span(ray)
+    }
+
+    /// Cell of an entry.
+    pub(super) fn cell(&self, entry: usize) -> usize {
+        self.readings.cells()[entry] as usize
+    }
+
+    /// Cells of entries.
+    pub(super) fn cells(&self, entries: std::ops::Range<usize>) -> &[u32] {
+        &self.readings.cells()[entries]
+    }
+
+    /// What the entries of a ray are worth, nats.
+    pub(super) fn logs(&self, entries: std::ops::Range<usize>) -> &[f64] {
+        &self.log[entries]
+    }
+
+    /// What a ray is worth if this entry is its first occupied cell, or none is at the end of its span, nats.
+    pub(super) fn value(&self, ray: usize, entry: usize) -> f64 {
+        if entry < self.readings.span(ray).end { self.log[entry] } else { self.none[ray] }
+    }
+
+    /// Rays through a cell with the entry that it is of each, rays rising.
+    pub(super) fn through(&self, cell: usize) -> &[(u32, u32)] {
+        &self.through[self.starts[cell]..self.starts[cell + 1]]
+    }
+}
+
+impl Held for Rays<'_> {
+    fn held(&self) -> usize {
+        self.log.held() + self.none.held() + self.starts.held() + self.through.held()
+    }
+}
