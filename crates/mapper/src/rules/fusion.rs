@@ -27,7 +27,10 @@ pub enum Fusion {
     /// those without information (`CostmapLayer::updateWithMax` of `costmap_2d` 1.17).
     Maximum,
     /// Obstacles of either sensor, and free where the laser says so: the integration of Miura, Negishi and Shirai, "Mobile robot map generation by
-    /// integrating omnidirectional stereo and laser range finder", IROS 2002, as far as public material tells it. See [`of_miura`].
+    /// integrating omnidirectional stereo and laser range finder", IROS 2002, as far as public material tells it.
+    ///
+    /// Assumed are: a map says *occupied* above one half and *free* below the prior; what any map calls occupied is (the greatest probability); else what a
+    /// laser calls free is free (its probability); else the maps are pooled.
     Miura,
 }
 

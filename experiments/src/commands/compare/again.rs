@@ -115,9 +115,9 @@ fn plan(folder: &Folder, made: Configuration) -> Result<Plan, Failure> {
     })
 }
 
-/// Whether the record lists a file.
+/// Whether the record, as [`Folder::record`] gives it, lists a file.
 fn has(record: &Value, name: &str) -> bool {
-    record["files"].as_array().is_some_and(|files| files.iter().any(|file| file["name"] == name))
+    record["files"].as_array().is_some_and(|files| files.iter().any(|file| file == name))
 }
 
 fn table<T: serde::de::DeserializeOwned>(folder: &Folder, name: &str) -> Result<Vec<T>, Failure> {
