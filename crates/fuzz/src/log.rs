@@ -1,5 +1,6 @@
 //! CARMEN logs and tables of scans, plain, gzip and bzip2.
 
+use std::f64::consts::FRAC_PI_2;
 use std::io::Write as _;
 
 use flate2::Compression;
@@ -22,13 +23,35 @@ pub fn carmen(data: &[u8]) {
     assert_eq!(*lines, scans + damaged + skipped.values().sum::<u64>(), "{:?}", found.report);
 }
 
-/// A table of scans. A row is a beam, damaged, or of a scan that is.
+/// A table of scans, and of features. A row is a beam, damaged, or of a scan that is.
 pub fn table(data: &[u8]) {
+    features(data);
     let open = |options: &Options| Log::table(data, PLACE, options);
     let Some(found) = both_ways(open) else { return };
     let Report { lines, beams, damaged, skipped, .. } = &found.report;
     let skipped = skipped.values().sum::<u64>();
     assert!(beams + damaged + skipped < *lines, "{:?}", found.report);
+}
+
+/// A table of features: times rise, and whatever is read is a number within its bounds.
+fn features(data: &[u8]) {
+    let rows = match logs::table::features::read(data, PLACE) {
+        Ok(rows) => rows,
+        Err(error) => return message::check(&error, PLACE),
+    };
+    for pair in rows.windows(2) {
+        assert!(pair[0].scan.time_s <= pair[1].scan.time_s && pair[0].line < pair[1].line);
+    }
+    for row in &rows {
+        assert_eq!(row.scan.readings.len(), row.matched.len());
+        assert!(row.scan.time_s.is_finite());
+        for reading in &row.scan.readings {
+            assert!(reading.bearing_rad.abs() <= FRAC_PI_2 && reading.disparity_px.is_finite());
+        }
+        for pose in [row.scan.pose, row.scan.odometry].into_iter().flatten() {
+            assert!([pose.x_m, pose.y_m, pose.theta_rad].iter().all(|value| value.is_finite()));
+        }
+    }
 }
 
 /// A compressed log as it stands; or any text, which read through gzip must be what it is without, and cut a part of it.
