@@ -33,6 +33,19 @@ impl Packing {
         }
     }
 
+    /// The bytes as they were, as far as those of a cut chunk go.
+    pub(crate) fn partly(self, packed: Vec<u8>) -> Vec<u8> {
+        let mut out = Vec::new();
+        // What was unpacked before the error stays.
+        let _ = match self {
+            Self::None => return packed,
+            Self::Bzip2 => MultiBzDecoder::new(&packed[..]).take(MOST_BYTES).read_to_end(&mut out),
+            Self::Lz4 => Lz4::new(&packed[..]).take(MOST_BYTES).read_to_end(&mut out),
+            Self::Zstd => Zstd::new(&packed[..]).take(MOST_BYTES).read_to_end(&mut out),
+        };
+        out
+    }
+
     /// The bytes as they were, which are `expected` in number where that is known.
     pub(crate) fn unpack(self, packed: Vec<u8>, expected: Option<u64>) -> Result<Vec<u8>, String> {
         let bound = expected.unwrap_or(MOST_BYTES);

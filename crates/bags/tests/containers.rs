@@ -135,6 +135,20 @@ fn lengths_are_claims_and_nothing_is_allocated_for_them() {
 }
 
 #[test]
+fn a_chunk_that_is_cut_is_read_as_far_as_it_goes() {
+    let messages = messages(60);
+    let mcaps = [Packing::None, Packing::Lz4].map(|packing| mcap::file(&messages, packing, 60, "cdr"));
+    let bags = [Packing::None, Packing::Lz4].map(|packing| bag1::file(&messages, packing, 60));
+    for (k, file) in mcaps.into_iter().chain(bags).enumerate() {
+        // Blocks of lz4 are longer than half of this chunk, so that of a cut one nothing may be left.
+        let (records, damages) = read(file[..file.len() / 2].to_vec());
+        assert!(k % 2 == 1 || (20..40).contains(&records.len()), "{k}: {} records", records.len());
+        assert!(records.iter().zip(&messages).all(|(record, message)| same(record, message)));
+        assert!(damages.last().is_some_and(|damage| damage.to_string().contains("ends within a chunk")), "{damages:?}");
+    }
+}
+
+#[test]
 fn what_is_no_bag_is_refused_with_what_to_do() {
     for (bytes, expected) in [
         (&b"#ROSBAG V1.2\n"[..], "rosbag migrate"),

@@ -57,7 +57,6 @@ impl Event {
 /// :param scan: of a bag, topics of scans, a sensor each; default the only one
 /// :param pose: of a bag, where poses come from: ``"odom"``, a topic, or ``"tf:FRAME"``; default the only source
 #[pyfunction]
-#[expect(clippy::too_many_arguments, reason = "they are keywords")]
 #[pyo3(signature = (path, *, every = 1, window = None, min_range_m = 0.0, max_range_m = None, scan = Vec::new(), pose = None))]
 pub(crate) fn read_log(
     path: PathBuf,

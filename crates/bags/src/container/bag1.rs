@@ -104,8 +104,12 @@ impl Bag1 {
     fn content(&mut self, fields: &Fields, length: u64, from: u64) -> Result<(), Damage> {
         match fields.op() {
             Some(op::CHUNK) => {
-                let content = self.tape.exactly(length, from, "a chunk")?;
-                self.chunk(fields, content, from)
+                let (content, cut) = self.tape.up_to(length, from, "a chunk")?;
+                let Some(cut) = cut else { return self.chunk(fields, content, from) };
+                let name = String::from_utf8_lossy(fields.value("compression").unwrap_or_default()).into_owned();
+                let records = Arc::new(Packing::named(&name).map(|known| known.partly(content)).unwrap_or_default());
+                self.records(&records, from).unwrap_or_default();
+                Err(cut)
             }
             Some(op::CONNECTION) => {
                 let content = self.tape.exactly(length, from, "a connection")?;
@@ -148,13 +152,18 @@ impl Bag1 {
     fn chunk(&mut self, fields: &Fields, content: Vec<u8>, from: u64) -> Result<(), Damage> {
         let lost = |tape: &Tape, reason: String| tape.damage(from, format!("the chunk {reason}"), Loss::Chunk);
         let records = Arc::new(unpacked(fields, content).map_err(|reason| lost(&self.tape, reason))?);
-        for item in Records::of(&records) {
-            let (fields, range) =
-                item.map_err(|at| lost(&self.tape, format!("has a record that is cut, at byte {at} of its records")))?;
+        let outcome = self.records(&records, from);
+        outcome.map_err(|at| lost(&self.tape, format!("has a record that is cut, at byte {at} of its records")))
+    }
+
+    /// Gives the messages of a chunk; where a record is cut, its place.
+    fn records(&mut self, records: &Arc<Vec<u8>>, from: u64) -> Result<(), usize> {
+        for item in Records::of(records) {
+            let (fields, range) = item?;
             match fields.op() {
                 Some(op::CONNECTION) => self.topics.take(&fields, &records[range]),
                 Some(op::MESSAGE) => {
-                    let record = self.topics.message(&fields, &records, range);
+                    let record = self.topics.message(&fields, records, range);
                     self.give(record, from);
                 }
                 _ => {}

@@ -88,8 +88,11 @@ impl Mcap {
                 self.give(record, from);
             }
             opcode::CHUNK => {
-                let content = self.tape.exactly(length, from, "a chunk")?;
-                self.chunk(content, from)?;
+                let (content, cut) = self.tape.up_to(length, from, "a chunk")?;
+                let Some(cut) = cut else { return self.chunk(content, from) };
+                let records = Arc::new(partly(content));
+                self.records(&records, from).unwrap_or_default();
+                return Err(cut);
             }
             0 => return Err(self.tape.damage(from, "no record begins here", Loss::Rest)),
             _ => {
@@ -111,12 +114,17 @@ impl Mcap {
     fn chunk(&mut self, content: Vec<u8>, from: u64) -> Result<(), Damage> {
         let lost = |tape: &Tape, reason: String| tape.damage(from, format!("the chunk {reason}"), Loss::Chunk);
         let records = Arc::new(unpacked(content).map_err(|reason| lost(&self.tape, reason))?);
-        for item in Records::of(&records) {
-            let (opcode, range) =
-                item.map_err(|at| lost(&self.tape, format!("has a record that is cut, at byte {at} of its records")))?;
+        let outcome = self.records(&records, from);
+        outcome.map_err(|at| lost(&self.tape, format!("has a record that is cut, at byte {at} of its records")))
+    }
+
+    /// Gives the messages of a chunk; where a record is cut, its place.
+    fn records(&mut self, records: &Arc<Vec<u8>>, from: u64) -> Result<(), usize> {
+        for item in Records::of(records) {
+            let (opcode, range) = item?;
             match opcode {
                 opcode::MESSAGE => {
-                    let record = self.defined.message(&records, range.start, range.end);
+                    let record = self.defined.message(records, range.start, range.end);
                     self.give(record, from);
                 }
                 _ => self.defined.take(opcode, &records[range]),
@@ -206,6 +214,15 @@ fn unpacked(mut content: Vec<u8>) -> Result<Vec<u8>, String> {
         return Err(format!("is damaged: its CRC-32 is {found:08x} and must be {crc:08x}"));
     }
     Ok(records)
+}
+
+/// The records of a chunk that is cut, as far as they go.
+fn partly(mut content: Vec<u8>) -> Vec<u8> {
+    let known = text_at(&content, 28).and_then(|(packing, next)| Some((Packing::named(&packing)?, next + 8)));
+    match known.filter(|(_, start)| *start <= content.len()) {
+        Some((packing, start)) => packing.partly(content.split_off(start)),
+        None => Vec::new(),
+    }
 }
 
 /// Opcodes of records and where their content stands; where one is cut, its place.

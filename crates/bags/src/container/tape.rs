@@ -44,6 +44,21 @@ impl Tape {
         Ok(passed)
     }
 
+    /// So many bytes; at the end of the file those that are there, with the damage that begins at `from`.
+    pub(super) fn up_to(&mut self, count: u64, from: u64, what: &str) -> Result<(Vec<u8>, Option<Damage>), Damage> {
+        if count > MOST_BYTES {
+            return self.exactly(count, from, what).map(|bytes| (bytes, None));
+        }
+        match self.take(count) {
+            Ok(bytes) if (bytes.len() as u64) < count => {
+                let reason = format!("the file ends within {what}, after {} of its {count} bytes", bytes.len());
+                Ok((bytes, Some(self.damage(from, reason, Loss::Rest))))
+            }
+            Ok(bytes) => Ok((bytes, None)),
+            Err(error) => Err(self.damage(from, format!("cannot be read: {error}"), Loss::Rest)),
+        }
+    }
+
     /// So many bytes, or why there are none: the damage begins at `from`.
     pub(super) fn exactly(&mut self, count: u64, from: u64, what: &str) -> Result<Vec<u8>, Damage> {
         if count > MOST_BYTES {
