@@ -1,7 +1,9 @@
 //! CARMEN logs and tables of scans, plain, gzip and bzip2.
 
+use std::collections::HashSet;
 use std::f64::consts::FRAC_PI_2;
 use std::io::Write as _;
+use std::mem::discriminant;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
@@ -23,14 +25,16 @@ pub fn carmen(data: &[u8]) {
     assert_eq!(*lines, scans + damaged + skipped.values().sum::<u64>(), "{:?}", found.report);
 }
 
-/// A table of scans, and of features. A row is a beam, damaged, or of a scan that is.
+/// A table of scans, and of features. A row is a beam of each kind of sensor that the table has a column of, damaged, or of a scan that is.
 pub fn table(data: &[u8]) {
     features(data);
     let open = |options: &Options| Log::table(data, PLACE, options);
     let Some(found) = both_ways(open) else { return };
-    let Report { lines, beams, damaged, skipped, .. } = &found.report;
+    let Report { lines, beams, damaged, skipped, sensors, .. } = &found.report;
     let skipped = skipped.values().sum::<u64>();
-    assert!(beams + damaged + skipped < *lines, "{:?}", found.report);
+    let kinds: HashSet<_> = sensors.values().map(|sensor| sensor.kind.map(|kind| discriminant(&kind))).collect();
+    let rows = lines.checked_sub(1 + damaged + skipped).expect("a head, and every line once");
+    assert!(*beams <= rows * kinds.len() as u64, "{:?}", found.report);
 }
 
 /// A table of features: times rise, and whatever is read is a number within its bounds.
