@@ -86,9 +86,9 @@ fn counted(cell_m: f64, number: &[usize]) -> Result<BTreeMap<Features, [f64; 2]>
             occupied += map.iter().filter(|on| **on).count();
             cells += map.len();
             let around = patterns(&spec, &map);
-            for cell in 0..spec.cells() {
+            for (cell, is_occupied) in map.iter().enumerate() {
                 if let Some(features) = features(&truth, &around, cell, number) {
-                    counts.entry(features).or_default()[usize::from(map[cell])] += 1.0;
+                    counts.entry(features).or_default()[usize::from(*is_occupied)] += 1.0;
                 }
             }
         }

@@ -4,6 +4,7 @@ mod drives;
 mod field;
 mod figure;
 mod filter;
+mod metrics;
 mod options;
 mod outputs;
 mod scores;

@@ -3,6 +3,7 @@
 mod along;
 mod document;
 mod figure;
+mod metrics;
 mod options;
 mod outputs;
 mod recorded;

@@ -91,7 +91,7 @@ const MAPPERS: [(&str, Colour, Shape, Dashes); 39] = [
     ("miura-2002", RED, Shape::Diamond, Dashes::Dotted),
     ("sonar-moravec", OLIVE, Shape::Diamond, Dashes::Solid),
     ("gibbs", VIOLET, Shape::Star, Dashes::Solid),
-    ("gibbs-unchecked", VIOLET, Shape::Star, Dashes::Dashed),
+    ("gibbs-unchecked", VIOLET, Shape::Cross, Dashes::Dashed),
     ("visibility-touched", BLUE, Shape::Square, Dashes::Dashed),
     ("visibility-all-edges", BLUE, Shape::Diamond, Dashes::Dashed),
     ("visibility-reference", BLUE, Shape::Plus, Dashes::Dotted),

@@ -7,7 +7,7 @@ use sensor::OdometryNoise;
 use slam::features::{Association, FeatureOptions, FeatureProposal, Identity};
 
 use super::filter::Filter;
-use super::scores::METRICS;
+use super::metrics::METRICS;
 use crate::figures::Paper;
 use crate::output::args::{FormatOption, Given, ThreadsOption, count, number, positive, share};
 use crate::output::folder;

@@ -18,30 +18,6 @@ use crate::output::table::{Table, optional, rounded};
 use crate::worlds::bound::{self, Bound};
 use crate::worlds::track::plain;
 
-/// Every metric there is.
-pub(super) const METRICS: [&str; 20] = [
-    "ate",
-    "ate_rotation",
-    "rpe_1m",
-    "rpe_1m_rotation",
-    "nees_median",
-    "within_95",
-    "landmarks",
-    "landmark_error",
-    "landmarks_within_95",
-    "false_landmarks",
-    "missed_landmarks",
-    "features_seen",
-    "wrong_associations",
-    "failed_matches_taken",
-    NAMES[0][0],
-    NAMES[0][1],
-    NAMES[0][2],
-    NAMES[1][0],
-    NAMES[1][1],
-    NAMES[1][2],
-];
-
 /// A step of the relative error, m.
 const STEP_M: f64 = 1.0;
 

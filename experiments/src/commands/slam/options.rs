@@ -6,7 +6,7 @@ use clap::Args;
 use sensor::OdometryNoise;
 use slam::Options;
 
-use super::scores::METRICS;
+use super::metrics::METRICS;
 use crate::figures::Paper;
 use crate::output::args::{
     FormatOption, Given, PriorOptions, ThreadsOption, count, positive, probability, share, trimmed,

@@ -22,21 +22,6 @@ pub(super) const MOST_S: f64 = 0.1;
 /// A step of the relative error, m.
 const STEP_M: f64 = 1.0;
 
-/// Every metric there is.
-pub(super) const METRICS: [&str; 11] = [
-    "ate",
-    "ate_rotation",
-    "rpe_1m",
-    "rpe_1m_rotation",
-    "relations",
-    "relations_rotation",
-    "relations_loops",
-    "relations_loops_rotation",
-    "relations_others",
-    "relations_others_rotation",
-    "nees",
-];
-
 /// What a trajectory is scored against.
 pub(super) struct References {
     pub(super) truth: Option<Vec<Stamped>>,
