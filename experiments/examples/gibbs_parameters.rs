@@ -1,7 +1,7 @@
 //! What the four numbers of `gibbs` were chosen on: log loss over what could be seen, on tuning worlds, maps whose chains do not agree
 //! among them.
 //!
-//! `cargo run -p experiments --example gibbs_parameters -- [LAYOUTS]`: a row per candidate, a column per family. Stages are short; a run takes minutes.
+//! `cargo run -p experiments --features fitting --example gibbs_parameters -- [LAYOUTS]`: a row per candidate, a column per family. Stages are short; a run takes minutes.
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program for the terminal")]
 
 use std::error::Error;

@@ -1,6 +1,6 @@
 //! The prior field of `gibbs`: log weights of blocks of 3 x 3 cells, fitted on the ground truth of the tuning worlds.
 //!
-//! `cargo run -p experiments --example prior_field > crates/mapper/src/rules/gibbs/weights.rs` writes the file anew. The weights have the
+//! `cargo run -p experiments --features fitting --example prior_field > crates/mapper/src/rules/gibbs/weights.rs` writes the file anew. The weights have the
 //! largest pseudo-likelihood (Besag, "Statistical analysis of non-lattice data", The Statistician 24, 1975): the product over all cells of
 //! the probability of the cell given all others, with a small penalty on squares. It is concave: Newton's method finds the one maximum.
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program for the terminal")]
@@ -56,7 +56,7 @@ fn run() -> Result<(), Box<dyn Error>> {
         columns.push(fitted(&counts, size));
     }
     println!(
-        "//! Log weights of blocks of 3 x 3 cells, as `cargo run -p experiments --example prior_field` prints them: fitted by"
+        "//! Log weights of blocks of 3 x 3 cells, as `cargo run -p experiments --features fitting --example prior_field` prints them: fitted by"
     );
     println!("//! pseudo-likelihood on {LAYOUTS} layouts of each family of the tuning set. Not edited by hand.\n");
     println!("/// Cell sizes that were fitted, m, rising.");

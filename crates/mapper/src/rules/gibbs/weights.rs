@@ -1,4 +1,4 @@
-//! Log weights of blocks of 3 x 3 cells, as `cargo run -p experiments --example prior_field` prints them: fitted by
+//! Log weights of blocks of 3 x 3 cells, as `cargo run -p experiments --features fitting --example prior_field` prints them: fitted by
 //! pseudo-likelihood on 20 layouts of each family of the tuning set. Not edited by hand.
 
 /// Cell sizes that were fitted, m, rising.
