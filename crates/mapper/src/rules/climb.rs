@@ -1,6 +1,6 @@
 //! Hill climbing over maps of occupied and free cells, one flip at a time.
 
-use crate::rules::readings::Readings;
+use crate::rules::readings::{Crossings, Readings};
 
 /// A flip must gain more than this, in nats: less is rounding.
 const GAIN: f64 = 1e-6;
@@ -21,10 +21,7 @@ pub(crate) struct Values {
 pub(crate) struct Climb<'a> {
     readings: &'a Readings,
     log_odds: f64,
-    /// Begin of each cell's rays in `through`.
-    starts: Vec<usize>,
-    /// Ray and entry, cell by cell.
-    through: Vec<(u32, u32)>,
+    crossings: Crossings,
     occupied: Vec<bool>,
     /// Entries of the first and the second occupied cell of each ray; the end of its span if there is none.
     nearest: Vec<[usize; 2]>,
@@ -35,24 +32,9 @@ pub(crate) struct Climb<'a> {
 impl<'a> Climb<'a> {
     /// The empty map, with prior log odds of every cell.
     pub(crate) fn new(readings: &'a Readings, cells: usize, log_odds: f64) -> Self {
-        let mut starts = vec![0; cells + 1];
-        for &cell in readings.cells() {
-            starts[cell as usize + 1] += 1;
-        }
-        for cell in 0..cells {
-            starts[cell + 1] += starts[cell];
-        }
-        let mut next = starts.clone();
-        let mut through = vec![(0, 0); readings.cells().len()];
-        for ray in 0..readings.rays() {
-            for entry in readings.span(ray) {
-                let slot = &mut next[readings.cells()[entry] as usize];
-                through[*slot] = (ray as u32, entry as u32);
-                *slot += 1;
-            }
-        }
+        let crossings = readings.crossings(cells);
         let nearest = (0..readings.rays()).map(|ray| [readings.span(ray).end; 2]).collect();
-        Self { readings, log_odds, starts, through, occupied: vec![false; cells], nearest, gain: vec![0.0; cells] }
+        Self { readings, log_odds, crossings, occupied: vec![false; cells], nearest, gain: vec![0.0; cells] }
     }
 
     /// The map.
@@ -92,9 +74,9 @@ impl<'a> Climb<'a> {
     }
 
     fn flip(&mut self, values: &Values, cell: usize) {
-        let rays = self.starts[cell]..self.starts[cell + 1];
+        let rays = self.crossings.numbers(cell);
         for i in rays.clone() {
-            let (ray, entry) = self.through[i];
+            let (ray, entry) = self.crossings.ray(i);
             if entry as usize <= self.nearest[ray as usize][1] {
                 self.count(values, ray as usize, -1.0);
             }
@@ -102,7 +84,7 @@ impl<'a> Climb<'a> {
         self.occupied[cell] ^= true;
         self.gain[cell] = if self.occupied[cell] { -self.log_odds } else { self.log_odds };
         for i in rays {
-            let (ray, entry) = self.through[i];
+            let (ray, entry) = self.crossings.ray(i);
             // Behind the second occupied cell a flip changes nothing.
             if entry as usize <= self.nearest[ray as usize][1] {
                 self.look(ray as usize);

@@ -99,6 +99,58 @@ impl Readings {
     pub(crate) fn none(&self, ray: usize) -> f64 {
         self.none[ray]
     }
+
+    /// The rays through each of so many cells. O(entries).
+    pub(crate) fn crossings(&self, cells: usize) -> Crossings {
+        let mut starts = vec![0; cells + 1];
+        for &cell in &self.cells {
+            starts[cell as usize + 1] += 1;
+        }
+        for cell in 0..cells {
+            starts[cell + 1] += starts[cell];
+        }
+        let mut next = starts.clone();
+        let mut all = vec![(0, 0); self.cells.len()];
+        for ray in 0..self.rays() {
+            for entry in self.span(ray) {
+                let slot = &mut next[self.cells[entry] as usize];
+                all[*slot] = (ray as u32, entry as u32);
+                *slot += 1;
+            }
+        }
+        Crossings { starts, all }
+    }
+}
+
+/// The rays through every cell, with the entry that it is of each.
+pub(crate) struct Crossings {
+    /// Begin of each cell's rays in `all`.
+    starts: Vec<usize>,
+    /// Ray and entry, cell by cell, rays rising.
+    all: Vec<(u32, u32)>,
+}
+
+impl Crossings {
+    /// Numbers of a cell's rays, for [`ray`](Self::ray).
+    pub(crate) fn numbers(&self, cell: usize) -> std::ops::Range<usize> {
+        self.starts[cell]..self.starts[cell + 1]
+    }
+
+    /// The ray of a number, and the entry that the cell is of it.
+    pub(crate) fn ray(&self, number: usize) -> (u32, u32) {
+        self.all[number]
+    }
+
+    /// Rays through a cell with the entry that it is of each, rays rising.
+    pub(crate) fn of(&self, cell: usize) -> &[(u32, u32)] {
+        &self.all[self.numbers(cell)]
+    }
+}
+
+impl Held for Crossings {
+    fn held(&self) -> usize {
+        self.starts.held() + self.all.held()
+    }
 }
 
 impl Held for Readings {

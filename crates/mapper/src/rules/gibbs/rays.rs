@@ -1,7 +1,7 @@
 //! All rays, as a map's changes see them: by ray and by cell.
 
 use crate::memory::Held;
-use crate::rules::readings::Readings;
+use crate::rules::readings::{Crossings, Readings};
 
 /// A likelihood below this share of the ray's largest counts as this: it keeps logarithms finite.
 const LEAST: f64 = 1e-12;
@@ -30,25 +30,14 @@ pub(super) struct Rays<'a> {
     log: Vec<f64>,
     /// What a ray is worth if none of its cells is occupied, nats.
     none: Vec<f64>,
-    /// Begin of each cell's rays in `through`.
-    starts: Vec<usize>,
-    /// Ray and entry, cell by cell, rays rising.
-    through: Vec<(u32, u32)>,
+    crossings: Crossings,
 }
 
 impl<'a> Rays<'a> {
     /// Indexes the readings of a map of so many cells. O(entries).
     pub(super) fn new(readings: &'a Readings, cells: usize, Reading { weight, leak }: Reading) -> Self {
-        let mut starts = vec![0; cells + 1];
-        for &cell in readings.cells() {
-            starts[cell as usize + 1] += 1;
-        }
-        for cell in 0..cells {
-            starts[cell + 1] += starts[cell];
-        }
-        let mut next = starts.clone();
-        let mut through = vec![(0, 0); readings.cells().len()];
-        let (mut log, mut none) = (Vec::with_capacity(through.len()), Vec::with_capacity(readings.rays()));
+        let mut log = Vec::with_capacity(readings.cells().len());
+        let mut none = Vec::with_capacity(readings.rays());
         for ray in 0..readings.rays() {
             let likelihood = &readings.likelihood()[readings.span(ray)];
             let most = likelihood.iter().copied().fold(readings.none(ray), f64::max);
@@ -63,13 +52,8 @@ impl<'a> Rays<'a> {
             }
             log[begin..].reverse();
             none.push(of(readings.none(ray)));
-            for entry in readings.span(ray) {
-                let slot = &mut next[readings.cells()[entry] as usize];
-                through[*slot] = (ray as u32, entry as u32);
-                *slot += 1;
-            }
         }
-        Self { readings, log, none, starts, through }
+        Self { readings, log, none, crossings: readings.crossings(cells) }
     }
 
     /// Number of rays.
@@ -104,12 +88,12 @@ impl<'a> Rays<'a> {
 
     /// Rays through a cell with the entry that it is of each, rays rising.
     pub(super) fn through(&self, cell: usize) -> &[(u32, u32)] {
-        &self.through[self.starts[cell]..self.starts[cell + 1]]
+        self.crossings.of(cell)
     }
 }
 
 impl Held for Rays<'_> {
     fn held(&self) -> usize {
-        self.log.held() + self.none.held() + self.starts.held() + self.through.held()
+        self.log.held() + self.none.held() + self.crossings.held()
     }
 }
