@@ -3,6 +3,7 @@
 pub(crate) mod bag1;
 pub(crate) mod db3;
 pub(crate) mod mcap;
+mod stepped;
 mod tape;
 
 use std::io::{Read, Seek};

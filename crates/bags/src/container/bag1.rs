@@ -8,8 +8,9 @@ use std::io::{Read, SeekFrom};
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::tape::{Tape, Waiting};
-use super::{Container, Source};
+use super::Source;
+use super::stepped::{Parts, Stepped, Waiting};
+use super::tape::Tape;
 use crate::damage::{Damage, Loss};
 use crate::record::{Bytes, Encoding, Record, Topic};
 use crate::unpack::Packing;
@@ -67,31 +68,6 @@ impl Bag1 {
         Self { tape, topics: Topics::default(), waiting: Waiting::new(), ended: false }
     }
 
-    fn step(&mut self) -> Result<(), Damage> {
-        let from = self.tape.at();
-        if from == 0 {
-            let magic = self.tape.exactly(MAGIC.len() as u64, 0, "the first bytes")?;
-            return if magic == MAGIC {
-                Ok(())
-            } else {
-                Err(self.tape.damage(0, "is no bag of format 2.0", Loss::Rest))
-            };
-        }
-        let Some(length) = self.length(from)? else {
-            self.ended = true;
-            return Ok(());
-        };
-        if length > MOST_HEAD {
-            let reason = format!("no record begins here: its head would have {length} bytes");
-            return Err(self.tape.damage(from, reason, Loss::Rest));
-        }
-        let head = self.tape.exactly(length, from, "the head of a record")?;
-        let fields = Fields::of(&head).map_err(|reason| self.tape.damage(from, reason, Loss::Rest))?;
-        let length = self.tape.exactly(4, from, "the head of a record")?;
-        let length = u64::from(u32_at(&length, 0).unwrap_or(0));
-        self.content(&fields, length, from)
-    }
-
     /// The four bytes before a record; none at the end of the file.
     fn length(&mut self, from: u64) -> Result<Option<u64>, Damage> {
         match self.tape.take(4) {
@@ -144,11 +120,6 @@ impl Bag1 {
         }
     }
 
-    fn give(&mut self, record: Result<Record, String>, from: u64) {
-        let record = record.map_err(|reason| self.tape.damage(from, reason, Loss::Message));
-        self.waiting.push_back(record);
-    }
-
     fn chunk(&mut self, fields: &Fields, content: Vec<u8>, from: u64) -> Result<(), Damage> {
         let lost = |tape: &Tape, reason: String| tape.damage(from, format!("the chunk {reason}"), Loss::Chunk);
         let records = Arc::new(unpacked(fields, content).map_err(|reason| lost(&self.tape, reason))?);
@@ -173,20 +144,34 @@ impl Bag1 {
     }
 }
 
-impl Container for Bag1 {
-    fn next(&mut self) -> Option<Result<Record, Damage>> {
-        loop {
-            if let Some(item) = self.waiting.pop_front() {
-                return Some(item);
-            }
-            if self.ended {
-                return None;
-            }
-            if let Err(damage) = self.step() {
-                self.ended = damage.loss != Loss::Chunk;
-                self.waiting.push_back(Err(damage));
-            }
+impl Stepped for Bag1 {
+    fn parts(&mut self) -> Parts<'_> {
+        Parts { tape: &self.tape, waiting: &mut self.waiting, ended: &mut self.ended }
+    }
+
+    fn step(&mut self) -> Result<(), Damage> {
+        let from = self.tape.at();
+        if from == 0 {
+            let magic = self.tape.exactly(MAGIC.len() as u64, 0, "the first bytes")?;
+            return if magic == MAGIC {
+                Ok(())
+            } else {
+                Err(self.tape.damage(0, "is no bag of format 2.0", Loss::Rest))
+            };
         }
+        let Some(length) = self.length(from)? else {
+            self.ended = true;
+            return Ok(());
+        };
+        if length > MOST_HEAD {
+            let reason = format!("no record begins here: its head would have {length} bytes");
+            return Err(self.tape.damage(from, reason, Loss::Rest));
+        }
+        let head = self.tape.exactly(length, from, "the head of a record")?;
+        let fields = Fields::of(&head).map_err(|reason| self.tape.damage(from, reason, Loss::Rest))?;
+        let length = self.tape.exactly(4, from, "the head of a record")?;
+        let length = u64::from(u32_at(&length, 0).unwrap_or(0));
+        self.content(&fields, length, from)
     }
 }
 

@@ -8,8 +8,9 @@ use std::io::{Read, SeekFrom};
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::tape::{Tape, Waiting};
-use super::{Container, Source};
+use super::Source;
+use super::stepped::{Parts, Stepped, Waiting};
+use super::tape::Tape;
 use crate::damage::{Damage, Loss};
 use crate::record::{Bytes, Encoding, Record, Topic};
 use crate::unpack::Packing;
@@ -61,6 +62,34 @@ impl Mcap {
         Self { tape: Tape::new(file, source), defined: Defined::default(), waiting: Waiting::new(), ended: false }
     }
 
+    fn chunk(&mut self, content: Vec<u8>, from: u64) -> Result<(), Damage> {
+        let lost = |tape: &Tape, reason: String| tape.damage(from, format!("the chunk {reason}"), Loss::Chunk);
+        let records = Arc::new(unpacked(content).map_err(|reason| lost(&self.tape, reason))?);
+        let outcome = self.records(&records, from);
+        outcome.map_err(|at| lost(&self.tape, format!("has a record that is cut, at byte {at} of its records")))
+    }
+
+    /// Gives the messages of a chunk; where a record is cut, its place.
+    fn records(&mut self, records: &Arc<Vec<u8>>, from: u64) -> Result<(), usize> {
+        for item in Records::of(records) {
+            let (opcode, range) = item?;
+            match opcode {
+                opcode::MESSAGE => {
+                    let record = self.defined.message(records, range.start, range.end);
+                    self.give(record, from);
+                }
+                _ => self.defined.take(opcode, &records[range]),
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Stepped for Mcap {
+    fn parts(&mut self) -> Parts<'_> {
+        Parts { tape: &self.tape, waiting: &mut self.waiting, ended: &mut self.ended }
+    }
+
     fn step(&mut self) -> Result<(), Damage> {
         let from = self.tape.at();
         if from == 0 {
@@ -104,50 +133,6 @@ impl Mcap {
             }
         }
         Ok(())
-    }
-
-    fn give(&mut self, record: Result<Record, String>, from: u64) {
-        let record = record.map_err(|reason| self.tape.damage(from, reason, Loss::Message));
-        self.waiting.push_back(record);
-    }
-
-    fn chunk(&mut self, content: Vec<u8>, from: u64) -> Result<(), Damage> {
-        let lost = |tape: &Tape, reason: String| tape.damage(from, format!("the chunk {reason}"), Loss::Chunk);
-        let records = Arc::new(unpacked(content).map_err(|reason| lost(&self.tape, reason))?);
-        let outcome = self.records(&records, from);
-        outcome.map_err(|at| lost(&self.tape, format!("has a record that is cut, at byte {at} of its records")))
-    }
-
-    /// Gives the messages of a chunk; where a record is cut, its place.
-    fn records(&mut self, records: &Arc<Vec<u8>>, from: u64) -> Result<(), usize> {
-        for item in Records::of(records) {
-            let (opcode, range) = item?;
-            match opcode {
-                opcode::MESSAGE => {
-                    let record = self.defined.message(records, range.start, range.end);
-                    self.give(record, from);
-                }
-                _ => self.defined.take(opcode, &records[range]),
-            }
-        }
-        Ok(())
-    }
-}
-
-impl Container for Mcap {
-    fn next(&mut self) -> Option<Result<Record, Damage>> {
-        loop {
-            if let Some(item) = self.waiting.pop_front() {
-                return Some(item);
-            }
-            if self.ended {
-                return None;
-            }
-            if let Err(damage) = self.step() {
-                self.ended = damage.loss == Loss::Rest;
-                self.waiting.push_back(Err(damage));
-            }
-        }
     }
 }
 

@@ -1,12 +1,10 @@
 //! A file that is read forwards, with the place that reading has come to.
 
-use std::collections::VecDeque;
 use std::io::{self, BufReader, Read};
 use std::sync::Arc;
 
 use crate::MOST_BYTES;
 use crate::damage::{Damage, Loss};
-use crate::record::Record;
 
 /// A source that counts its bytes.
 pub(super) struct Tape {
@@ -75,6 +73,3 @@ impl Tape {
         }
     }
 }
-
-/// What waits to be given.
-pub(super) type Waiting = VecDeque<Result<Record, Damage>>;
