@@ -46,6 +46,44 @@ pub trait FastKernel: Kernel {
     fn spread_from(&self, _reading: f64, _bearing: f64, _range: f64) -> f64 {
         f64::INFINITY
     }
+
+    /// The kernel of several readings, to be asked about one stretch of their rays after the other. A sensor that has none of its own
+    /// answers by the functions above.
+    fn of_readings(&self, beams: &Beams) -> Box<dyn ReadingKernel + '_> {
+        Box::new(AskedAnew { kernel: self, beams: *beams })
+    }
+}
+
+/// What [`FastKernel`] says of the readings of several rays, a lane to each: what depends on the readings alone is computed once.
+pub trait ReadingKernel {
+    /// [`FastKernel::likelihood_lanes`] of these readings.
+    fn likelihood(&self, ranges: &[Lanes<f64>], likelihood: &mut [Lanes<f32>]);
+
+    /// [`FastKernel::constant_between`] of the reading of a lane.
+    fn constant_between(&self, lane: usize) -> [f64; 2];
+
+    /// [`FastKernel::spread_from`] of the reading of a lane.
+    fn spread_from(&self, lane: usize, range: f64) -> f64;
+}
+
+/// Nothing is computed once.
+struct AskedAnew<'a, K: ?Sized> {
+    kernel: &'a K,
+    beams: Beams,
+}
+
+impl<K: FastKernel + ?Sized> ReadingKernel for AskedAnew<'_, K> {
+    fn likelihood(&self, ranges: &[Lanes<f64>], likelihood: &mut [Lanes<f32>]) {
+        self.kernel.likelihood_lanes(&self.beams, ranges, likelihood);
+    }
+
+    fn constant_between(&self, lane: usize) -> [f64; 2] {
+        self.kernel.constant_between(self.beams.reading[lane], self.beams.bearing_rad[lane])
+    }
+
+    fn spread_from(&self, lane: usize, range: f64) -> f64 {
+        self.kernel.spread_from(self.beams.reading[lane], self.beams.bearing_rad[lane], range)
+    }
 }
 
 /// [`FastKernel::likelihood_lanes`] by [`Kernel::likelihood`], one lane after the other.

@@ -14,9 +14,9 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use crate::lanes::{Beams, LANES, Lanes};
-use crate::{FastKernel, InverseModel, Kernel, Parameters, Placement, normal};
-use curve::Curve;
+use crate::lanes::{Beams, Lanes};
+use crate::{FastKernel, InverseModel, Kernel, Parameters, Placement, ReadingKernel, normal};
+use curve::{Curve, Curves};
 
 /// A laser range finder as a sensor model. A reading is a range in m, or `f64::INFINITY` where there was no echo.
 ///
@@ -131,27 +131,39 @@ impl Kernel for Laser {
 impl FastKernel for Laser {
     fn likelihood_lanes(&self, beams: &Beams, ranges: &[Lanes<f64>], likelihood: &mut [Lanes<f32>]) {
         debug_assert_eq!(ranges.len(), likelihood.len() + 1);
-        let curves: [Curve; LANES] = std::array::from_fn(|l| Curve::new(self, beams.reading[l]));
-        curve::fill(&curves, ranges, likelihood);
+        curve::fill(&Curves::new(self, beams), ranges, likelihood);
     }
 
     /// Behind an echo, and behind the largest range for no echo.
     fn constant_from(&self, reading: f64, _bearing: f64) -> f64 {
-        Curve::new(self, reading).until_m * (1.0 + 1e-9)
+        Curve::new(self, reading).behind_m()
     }
 
     /// None behind an echo, and behind the largest range for no echo, whose probability is at most one before.
-    fn spread_from(&self, reading: f64, bearing: f64, range: f64) -> f64 {
-        match range < self.constant_from(reading, bearing) {
-            true if reading.is_infinite() => 1.0,
-            true => f64::INFINITY,
-            false => 0.0,
-        }
+    fn spread_from(&self, reading: f64, _bearing: f64, range: f64) -> f64 {
+        Curve::new(self, reading).spread_from(range)
     }
 
     fn constant_between(&self, reading: f64, _bearing: f64) -> [f64; 2] {
-        let curve = Curve::new(self, reading);
-        [curve.mirror_m, curve.from_m]
+        Curve::new(self, reading).front_m()
+    }
+
+    fn of_readings(&self, beams: &Beams) -> Box<dyn ReadingKernel + '_> {
+        Box::new(Curves::new(self, beams))
+    }
+}
+
+impl ReadingKernel for Curves {
+    fn likelihood(&self, ranges: &[Lanes<f64>], likelihood: &mut [Lanes<f32>]) {
+        curve::fill(self, ranges, likelihood);
+    }
+
+    fn constant_between(&self, lane: usize) -> [f64; 2] {
+        self.curves[lane].front_m()
+    }
+
+    fn spread_from(&self, lane: usize, range: f64) -> f64 {
+        self.curves[lane].spread_from(range)
     }
 }
 

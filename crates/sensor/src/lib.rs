@@ -36,7 +36,7 @@ pub use camera::Camera;
 pub use clustering::{Clustering, Mismatches};
 pub use depth::Depth;
 pub use device::{Device, SensorKind};
-pub use fast_kernel::FastKernel;
+pub use fast_kernel::{FastKernel, ReadingKernel};
 pub use features::{FeatureCamera, FeatureCameraError, FeatureReading, FeatureScan};
 pub use gaussian::exp_minus;
 pub use inverse_model::{InverseModel, Placement};

@@ -130,14 +130,23 @@ fn cubic([[a, da], [b, db]]: [[f64; 2]; 2], t: f64) -> f64 {
     (a * (1.0 + 2.0 * t) + da * t) * s * s + (b * (1.0 + 2.0 * s) - db * s) * t * t
 }
 
-/// [`cumulative_integral`] in lanes, to the bit.
+/// A function with a table, in lanes.
 #[derive(Clone, Copy)]
-pub(crate) struct CumulativeIntegrals(&'static Table);
+pub(crate) struct LaneTable {
+    table: &'static Table,
+    /// Beyond the table the function is this, or its argument where there is none.
+    beyond: Option<f64>,
+}
 
-impl CumulativeIntegrals {
-    /// The table.
-    pub(crate) fn new() -> Self {
-        Self(&INTEGRALS)
+impl LaneTable {
+    /// [`cumulative`], to the bit.
+    pub(crate) fn cumulative() -> Self {
+        Self { table: &CUMULATIVES, beyond: Some(1.0) }
+    }
+
+    /// [`cumulative_integral`], to the bit.
+    pub(crate) fn cumulative_integral() -> Self {
+        Self { table: &INTEGRALS, beyond: None }
     }
 
     #[inline(always)]
@@ -145,19 +154,21 @@ impl CumulativeIntegrals {
         /// A sum with 2^52 has no fraction, and its low bits are the other number.
         const WHOLE: f64 = 4_503_599_627_370_496.0;
         let end = STEPS as f64;
+        let last = end.next_down();
         let place = each(|l| (x[l] + REACH) * PER_UNIT);
         let inside = each(|l| if place[l] > 0.0 { place[l] } else { 0.0 });
-        let inside = each(|l| if inside[l] < end - 0.5 { inside[l] } else { end - 0.5 });
+        let inside = each(|l| if inside[l] < last { inside[l] } else { last });
         let nearest = each(|l| (inside[l] + WHOLE) - WHOLE);
         let number = each(|l| if nearest[l] > inside[l] { nearest[l] - 1.0 } else { nearest[l] });
         let t = each(|l| inside[l] - number[l]);
         let number: Lanes<u32> = each(|l| (number[l] + WHOLE).to_bits() as u32);
         let (mut a, mut da, mut b, mut db) = ([0.0; LANES], [0.0; LANES], [0.0; LANES], [0.0; LANES]);
         for l in 0..LANES {
-            [[a[l], da[l]], [b[l], db[l]]] = self.0[number[l] as usize % ROOM];
+            [[a[l], da[l]], [b[l], db[l]]] = self.table[number[l] as usize % ROOM];
         }
         let inner = each(|l| cubic([[a[l], da[l]], [b[l], db[l]]], t[l]));
-        let inner = each(|l| if place[l] < end { inner[l] } else { x[l] });
+        let beyond = each(|l| self.beyond.unwrap_or(x[l]));
+        let inner = each(|l| if place[l] < end { inner[l] } else { beyond[l] });
         each(|l| if x[l] < -REACH { 0.0 } else { inner[l] })
     }
 }
@@ -265,8 +276,12 @@ mod tests {
         for k in (-2000..2000).step_by(LANES) {
             let mut x = each(|l| at(k + l as i32));
             x[3] = [f64::NEG_INFINITY, f64::INFINITY, -REACH, REACH, -0.0][k as usize % 5];
-            let found = CumulativeIntegrals::new().at(&x);
+            // In the last step of the table.
+            x[5] = REACH - f64::from(k.abs()) * 2e-6;
+            let found = LaneTable::cumulative_integral().at(&x);
             assert_eq!(found.map(f64::to_bits), x.map(|x| cumulative_integral(x).to_bits()), "{x:?}");
+            let found = LaneTable::cumulative().at(&x);
+            assert_eq!(found.map(f64::to_bits), x.map(|x| cumulative(x).to_bits()), "{x:?}");
         }
     }
 

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::lanes::{Beams, LANES, Lanes};
-use crate::{FastKernel, InverseModel, Kernel, Parameters, Placement, Stereo};
+use crate::{FastKernel, InverseModel, Kernel, Parameters, Placement, ReadingKernel, Stereo};
 
 /// An omnidirectional stereo camera as a sensor model: two images all round, one above the other, as Miura et al. (IROS 2002) mount
 /// them.
@@ -59,6 +59,10 @@ impl FastKernel for Omnidirectional {
 
     fn spread_from(&self, reading: f64, _bearing: f64, range: f64) -> f64 {
         self.0.spread_from(reading, AHEAD, range)
+    }
+
+    fn of_readings(&self, beams: &Beams) -> Box<dyn ReadingKernel + '_> {
+        self.0.of_readings(&ahead(beams))
     }
 }
 

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::gaussian::{self, Gaussian};
 use crate::lanes::{Beams, Lanes};
-use crate::{FastKernel, InverseModel, Kernel, Parameters, Placement, normal};
+use crate::{FastKernel, InverseModel, Kernel, Parameters, Placement, ReadingKernel, normal};
 
 /// A stereo camera as a sensor model: disparity is Gaussian about `focal_baseline / depth` with
 /// probability `correct_match`, otherwise uniform over `0 ..= max_disparity`.
@@ -66,6 +66,23 @@ impl Stereo {
         let least = NEGLIGIBLE * (1.0 - self.correct_match) / self.max_disparity;
         let reach = libm::sqrt(2.0 * libm::log(correct / least).max(0.0));
         reach.clamp(normal::REACH, normal::FARTHEST)
+    }
+
+    /// Ranges (m) up to which the Gaussian does not reach the reading, whose bearing has this cosine.
+    fn front_m(&self, reading: f64, cosine: f64, reach: f64) -> [f64; 2] {
+        let most = reading + reach * self.disparity_sigma;
+        [0.0, if cosine > 0.0 { (1.0 - 1e-9) * self.focal_baseline / (most * cosine) } else { f64::INFINITY }]
+    }
+
+    /// [`FastKernel::spread_from`]: of the density at the disparities from 0 up to that of the range.
+    fn spread(&self, reading: f64, cosine: f64, range: f64) -> f64 {
+        if cosine <= 0.0 {
+            return 0.0;
+        }
+        let density = |disparity: f64| normal::density((disparity - reading) / self.disparity_sigma);
+        let at = self.at_cosine(range, cosine);
+        let most = density(at.min(reading));
+        self.correct_match / self.disparity_sigma * (most - density(0.0).min(density(at)))
     }
 
     fn lanes(&self, beams: &Beams) -> Gaussian {
@@ -143,22 +160,39 @@ impl FastKernel for Stereo {
         if least > 0.0 && cosine > 0.0 { self.focal_baseline / (least * cosine) } else { f64::INFINITY }
     }
 
-    /// The density at the disparities from 0 up to that of the range.
     fn constant_between(&self, reading: f64, bearing: f64) -> [f64; 2] {
-        let most = reading + self.reach() * self.disparity_sigma;
-        let cosine = libm::cos(bearing);
-        [0.0, if cosine > 0.0 { (1.0 - 1e-9) * self.focal_baseline / (most * cosine) } else { f64::INFINITY }]
+        self.front_m(reading, libm::cos(bearing), self.reach())
     }
 
     fn spread_from(&self, reading: f64, bearing: f64, range: f64) -> f64 {
-        let cosine = libm::cos(bearing);
-        if cosine <= 0.0 {
-            return 0.0;
-        }
-        let density = |disparity: f64| normal::density((disparity - reading) / self.disparity_sigma);
-        let at = self.at_cosine(range, cosine);
-        let most = density(at.min(reading));
-        self.correct_match / self.disparity_sigma * (most - density(0.0).min(density(at)))
+        self.spread(reading, libm::cos(bearing), range)
+    }
+
+    fn of_readings(&self, beams: &Beams) -> Box<dyn ReadingKernel + '_> {
+        Box::new(Readings { stereo: self, cosine: beams.bearing_rad.map(libm::cos), lanes: self.lanes(beams) })
+    }
+}
+
+/// The readings of several rays.
+struct Readings<'a> {
+    stereo: &'a Stereo,
+    /// Of the bearings.
+    cosine: Lanes<f64>,
+    lanes: Gaussian,
+}
+
+impl ReadingKernel for Readings<'_> {
+    fn likelihood(&self, ranges: &[Lanes<f64>], likelihood: &mut [Lanes<f32>]) {
+        debug_assert_eq!(ranges.len(), likelihood.len() + 1);
+        gaussian::chords(&self.lanes, ranges, likelihood);
+    }
+
+    fn constant_between(&self, lane: usize) -> [f64; 2] {
+        self.stereo.front_m(self.lanes.reading[lane], self.cosine[lane], self.lanes.reach)
+    }
+
+    fn spread_from(&self, lane: usize, range: f64) -> f64 {
+        self.stereo.spread(self.lanes.reading[lane], self.cosine[lane], range)
     }
 }
 

@@ -5,7 +5,7 @@
 //! end. So one pass from the sensor is enough, and its values are normalised afterwards.
 
 use sensor::lanes::{Beams, LANES, Lanes, each};
-use sensor::{Ray, in_lanes};
+use sensor::{Ray, ReadingKernel, in_lanes};
 
 use crate::fast::budget::{CUT, EVIDENT, LEAST_EVIDENCE, NEGLIGIBLE, OPEN, UNMOVED};
 use crate::fast::inputs::Inputs;
@@ -174,10 +174,11 @@ impl Bundle {
             }
         }
         self.trace.start(inputs, lines);
-        self.leaps.start(inputs, &beams, leap);
-        self.follow(inputs, first, &beams, rays);
+        let kernel = &*inputs.sensor.of_readings(&beams);
+        self.leaps.start(inputs, kernel, leap);
+        self.follow(inputs, kernel, first, rays);
         let followed = self.trace.length;
-        let evidence = self.evidence(inputs, first, &beams, rays);
+        let evidence = self.evidence(inputs, kernel, (first, &beams), rays);
         let unlikely: Lanes<bool> =
             each(|l| followed[l] > 0 && !(evidence[l] > LEAST_EVIDENCE && evidence[l] < f32::INFINITY));
         let leapt: Lanes<bool> = each(|l| !self.leaps.hold(l, evidence[l]) || self.leaps.cells[l] > 0 && unlikely[l]);
@@ -190,7 +191,7 @@ impl Bundle {
     }
 
     /// Follows the rays, to the border or to where the rest moves nothing: the front pass of Eqs. (4)-(7).
-    fn follow(&mut self, inputs: &Inputs, first: usize, beams: &Beams, rays: &[Ray]) {
+    fn follow(&mut self, inputs: &Inputs, kernel: &dyn ReadingKernel, first: usize, rays: &[Ray]) {
         self.front = Front { clear: [1.0; LANES], ..Front::default() };
         self.cut = [false; LANES];
         let mut previous = [0.0; LANES];
@@ -199,7 +200,7 @@ impl Bundle {
             self.trace.go_on(inputs);
             let ranges = &self.trace.ranges;
             self.likelihood.resize(ranges.len() - 1, [0.0; LANES]);
-            inputs.sensor.likelihood_lanes(beams, ranges, &mut self.likelihood); // Eq. (21)
+            kernel.likelihood(ranges, &mut self.likelihood); // Eq. (21)
             if let Some(others) = inputs.others {
                 others.join_lanes(first, ranges, &mut self.likelihood);
             }
@@ -209,7 +210,7 @@ impl Bundle {
             previous = last.before;
             // Each by itself, so that it does not matter with which others it was taken.
             for l in 0..LANES {
-                if self.trace.lines.alive[l] > 0.0 && self.is_settled(l, inputs, first, beams, &last) {
+                if self.trace.lines.alive[l] > 0.0 && self.is_settled(l, inputs, kernel, first, &last) {
                     (self.cut[l], self.rest[l]) = (true, self.likelihood[self.likelihood.len() - 1][l]);
                     self.trace.end(l);
                 }
@@ -243,21 +244,27 @@ impl Bundle {
     /// Whether the cells that a ray has not crossed yet learn nothing: their likelihoods hardly differ from that of the `last`, so
     /// that it does not matter which of them is hit, and what is known of the last is what was known. Then the chain goes on
     /// as it would without a reading, and what it differs by falls from cell to cell.
-    fn is_settled(&self, l: usize, inputs: &Inputs, first: usize, beams: &Beams, last: &Step) -> bool {
+    fn is_settled(&self, l: usize, inputs: &Inputs, kernel: &dyn ReadingKernel, first: usize, last: &Step) -> bool {
         let Some(likelihood) = self.likelihood.last() else { return false };
         let Front { hit_occupied, hit_free, clear } = self.front;
         let evidence = hit_occupied[l] + hit_free[l] + clear[l] as f32 * likelihood[l];
         let moved = (hit_occupied[l] - last.before[l] * evidence).abs();
         let spread = || match inputs.others {
             Some(others) => others.spread_from(first + l, last.entered[l]),
-            None => inputs.sensor.spread_from(beams.reading[l], beams.bearing_rad[l], last.entered[l]),
+            None => kernel.spread_from(l, last.entered[l]),
         };
         moved <= CUT * evidence && clear[l] * spread() <= f64::from(CUT * evidence)
     }
 
     /// `P(o | O)` of every ray: what the front pass adds up to, and what lies past the last cell, be that the last of the map or
     /// the one at which the ray was cut.
-    fn evidence(&mut self, inputs: &Inputs, first: usize, beams: &Beams, rays: &[Ray]) -> Lanes<f32> {
+    fn evidence(
+        &mut self,
+        inputs: &Inputs,
+        kernel: &dyn ReadingKernel,
+        (first, beams): (usize, &Beams),
+        rays: &[Ray],
+    ) -> Lanes<f32> {
         let Front { hit_occupied, hit_free, clear } = self.front;
         let clear = clear.map(|clear| clear as f32);
         let Trace { lines, length, .. } = &self.trace;
@@ -268,11 +275,11 @@ impl Bundle {
             none = each(|l| if wanted[l] { others.past_the_map(first + l, lines.entered[l]) } else { 1.0 });
         } else if wanted != [false; LANES] {
             let mut border = [[0.0; LANES]];
-            inputs.sensor.likelihood_lanes(beams, &[lines.entered; 2], &mut border);
+            kernel.likelihood(&[lines.entered; 2], &mut border);
             let [border] = border;
             // Where all that lies past the border is as likely as what lies on it.
             let flat = each(|l| {
-                let spread = inputs.sensor.spread_from(beams.reading[l], beams.bearing_rad[l], lines.entered[l]);
+                let spread = kernel.spread_from(l, lines.entered[l]);
                 let evidence = hit_occupied[l] + hit_free[l] + clear[l] * border[l];
                 f64::from(clear[l]) * spread <= f64::from(CUT * evidence)
             });

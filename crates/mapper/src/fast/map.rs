@@ -26,11 +26,7 @@ pub(super) struct Tile {
 in_lanes! {
     /// Brings up to date what is known of patches whose cells have moved.
     pub(super) fn summarise<'a>(map: &'a mut Map, sums: &'a Sums, continuity: Continuity) {
-        for sheet in sums.sheets() {
-            let (tile, from) = split((sums.patch(sheet) * PATCH) as u32);
-            let tile = map.make(tile);
-            tile.summaries[from / PATCH] = Summary::of(tile, from, continuity);
-        }
+        sums.sheets().for_each(|sheet| map.summarise_patch((sums.patch(sheet) * PATCH) as u32, continuity));
     }
 }
 
@@ -102,6 +98,14 @@ impl Map {
         let (tile, from) = split(from);
         let occupied = &self.at(tile).occupied;
         each(|k| occupied[from + k * stride])
+    }
+
+    /// Brings up to date what is known of the patch of a cell.
+    #[inline(always)]
+    pub(super) fn summarise_patch(&mut self, cell: u32, continuity: Continuity) {
+        let (tile, place) = split(cell);
+        let tile = self.make(tile);
+        tile.summaries[place / PATCH] = Summary::of(tile, place / PATCH * PATCH, continuity);
     }
 
     /// Brings up to date what is known of the patches of a tile whose cells have moved.

@@ -19,13 +19,15 @@ in_lanes! {
     ///
     /// With `d` for the probability that two neighbours differ, the product moment is `1 - 2 d`, and a joint is
     /// `P(E_i, E_j) = (p_i + p_j - d) / 2`. A map without continuity has no joints.
-    pub(super) fn all_edges<'a>(map: &'a mut Map, continuity: Continuity, sums: &'a Sums, moved: &'a mut Vec<Moved>) {
+    ///
+    /// What was summed is forgotten patch by patch, and what is known of the patches brought up to date, while they are at hand.
+    pub(super) fn all_edges<'a>(map: &'a mut Map, continuity: Continuity, sums: &'a mut Sums, moved: &'a mut Vec<Moved>) {
         two_passes(map, continuity, sums, moved);
     }
 }
 
 #[inline(always)]
-fn two_passes(map: &mut Map, continuity: Continuity, sums: &Sums, moved: &mut Vec<Moved>) {
+fn two_passes(map: &mut Map, continuity: Continuity, sums: &mut Sums, moved: &mut Vec<Moved>) {
     if moved.len() < sums.sheets().end {
         moved.resize(sums.sheets().end, [0.0; PATCH]);
     }
@@ -36,16 +38,18 @@ fn two_passes(map: &mut Map, continuity: Continuity, sums: &Sums, moved: &mut Ve
         let occupied = patch_mut(&mut map.make(tile).occupied, from);
         marginals(occupied, sums.sheet(sheet), &missing, &mut moved[sheet]);
     }
-    if continuity == Continuity::Ignored {
-        return;
-    }
     for sheet in sums.sheets() {
         let first = first_of(sums, sheet);
-        let ahead = [0, 1].map(|axis| ahead(map, sums, moved, first, axis));
-        let (tile, from) = split(first);
-        joints(map.make(tile), from, sums.sheet(sheet), &moved[sheet], &ahead);
-        follow(map, sums, sheet, &moved[sheet]);
+        if continuity == Continuity::Kept {
+            let ahead = [0, 1].map(|axis| ahead(map, sums, moved, first, axis));
+            let (tile, from) = split(first);
+            joints(map.make(tile), from, sums.sheet(sheet), &moved[sheet], &ahead);
+            follow(map, sums, sheet, &moved[sheet]);
+        }
+        sums.empty(sheet);
+        map.summarise_patch(first, continuity);
     }
+    sums.forget();
 }
 
 /// The first cell of a sheet's patch.

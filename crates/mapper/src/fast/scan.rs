@@ -178,10 +178,12 @@ impl Workspace {
         let sums = &mut self.workers[0].sums;
         match rule {
             Reconciliation::AllEdges => reconcile::all_edges(map, continuity, sums, &mut self.moved),
-            Reconciliation::Touched => touched::touched(map, continuity, sums),
+            Reconciliation::Touched => {
+                touched::touched(map, continuity, sums);
+                summarise(map, sums, continuity);
+                sums.clear();
+            }
         }
-        summarise(map, sums, continuity);
-        sums.clear();
     }
 
     /// Phase 4 with continuity across rays.

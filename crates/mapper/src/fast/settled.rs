@@ -5,8 +5,8 @@
 //! more than the evidence `Z`. What lies farther learns from such cells only how likely the ray was to pass: by the hazard of
 //! each, of which a patch knows the mean.
 
-use sensor::Ray;
-use sensor::lanes::{Beams, LANES, Lanes};
+use sensor::lanes::{LANES, Lanes, each};
+use sensor::{Ray, ReadingKernel};
 
 use crate::fast::budget::{LEAPT, SETTLED};
 use crate::fast::inputs::Inputs;
@@ -65,22 +65,20 @@ pub(super) struct Leaps {
 
 impl Leaps {
     /// Rays with these readings, on their starts; none may leap where that is not `wanted`.
-    pub(super) fn start(&mut self, inputs: &Inputs, beams: &Beams, wanted: bool) {
+    pub(super) fn start(&mut self, inputs: &Inputs, kernel: &dyn ReadingKernel, wanted: bool) {
         self.passages.clear();
         (self.hit, self.cells, self.flat_m) = ([0.0; LANES], [0; LANES], [[0.0; 2]; LANES]);
         if !wanted || inputs.others.is_some() {
             return;
         }
-        for l in 0..LANES {
-            let (reading, bearing) = (beams.reading[l], beams.bearing_rad[l]);
-            let [from_m, until_m] = inputs.sensor.constant_between(reading, bearing);
-            if from_m < until_m {
-                let mut likelihood = [0.0];
-                let middle_m = 0.5 * (from_m + until_m.min(from_m + 1.0));
-                inputs.sensor.likelihood(reading, bearing, &[middle_m, middle_m], &mut likelihood);
-                (self.flat_m[l], self.likelihood[l]) = ([from_m, until_m], likelihood[0] as f32);
-            }
-        }
+        self.flat_m = std::array::from_fn(|l| kernel.constant_between(l));
+        let middle = each(|l| {
+            let [from_m, until_m] = self.flat_m[l];
+            if from_m < until_m { 0.5 * (from_m + until_m.min(from_m + 1.0)) } else { 0.0 }
+        });
+        let mut likelihood = [[0.0; LANES]];
+        kernel.likelihood(&[middle; 2], &mut likelihood);
+        [self.likelihood] = likelihood;
     }
 
     /// Whether what a ray leapt over was as good as settled, given the evidence for its reading.

@@ -319,6 +319,18 @@ impl Sums {
     /// Forgets everything, at the cost of what was touched.
     pub(super) fn clear(&mut self) {
         self.sheets[..self.patches.len()].fill(Sheet::EMPTY);
+        self.forget();
+    }
+
+    /// Forgets what is on a sheet.
+    #[inline(always)]
+    pub(super) fn empty(&mut self, sheet: usize) {
+        self.sheets[sheet] = Sheet::EMPTY;
+    }
+
+    /// Forgets which patches were touched. All sheets but that of no patch have been [emptied](Self::empty).
+    pub(super) fn forget(&mut self) {
+        self.empty(0);
         for patch in self.patches.drain(1..) {
             self.numbers[patch as usize] = 0;
         }

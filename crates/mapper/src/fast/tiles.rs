@@ -149,20 +149,22 @@ pub(crate) fn split(number: u32) -> (usize, usize) {
 #[derive(Clone)]
 pub(crate) struct Tiles<T> {
     pub(crate) numbering: Numbering,
-    tiles: Vec<Option<Arc<T>>>,
-    unseen: T,
+    tiles: Vec<Arc<T>>,
+    /// What stands in the place of a tile that was not made yet.
+    unseen: Arc<T>,
 }
 
 impl<T: Clone> Tiles<T> {
     /// No tile.
     pub(crate) fn new(numbering: Numbering, unseen: T) -> Self {
-        Self { numbering, tiles: vec![None; numbering.tiles()], unseen }
+        let unseen = Arc::new(unseen);
+        Self { numbering, tiles: vec![Arc::clone(&unseen); numbering.tiles()], unseen }
     }
 
     /// A tile as it is.
     #[inline(always)]
     pub(crate) fn at(&self, tile: usize) -> &T {
-        self.tiles[tile].as_deref().unwrap_or(&self.unseen)
+        &self.tiles[tile]
     }
 
     /// A tile as it is made.
@@ -173,13 +175,18 @@ impl<T: Clone> Tiles<T> {
     /// Whether a tile was made.
     #[inline(always)]
     pub(crate) fn is_made(&self, tile: usize) -> bool {
-        self.tiles[tile].is_some()
+        self.was_made(&self.tiles[tile])
+    }
+
+    #[inline(always)]
+    fn was_made(&self, tile: &Arc<T>) -> bool {
+        !Arc::ptr_eq(tile, &self.unseen)
     }
 
     /// A tile to be changed, made where it is missing, and copied first where another map has it too.
     #[inline(always)]
     pub(crate) fn make(&mut self, tile: usize) -> &mut T {
-        Arc::make_mut(self.tiles[tile].get_or_insert_with(|| Arc::new(self.unseen.clone())))
+        Arc::make_mut(&mut self.tiles[tile])
     }
 
     /// A raster of the cells in a window of the grid that begins at the given column and row, by their values.
@@ -205,7 +212,7 @@ impl<T: Clone> Tiles<T> {
     /// The smallest window with all tiles that were made: its first column and row, and where it is.
     pub(crate) fn seen(&self) -> Option<([usize; 2], GridSpec)> {
         let spec = self.numbering.spec;
-        let made = self.tiles.iter().enumerate().filter(|(_, tile)| tile.is_some());
+        let made = self.tiles.iter().enumerate().filter(|(_, tile)| self.was_made(tile));
         let places = made.map(|(tile, _)| self.numbering.column_row((tile * TILE) as u32));
         let bounds = |[low, high]: [[usize; 2]; 2], at: [usize; 2]| {
             [[0, 1].map(|k| low[k].min(at[k])), [0, 1].map(|k| high[k].max(at[k] + TILE_SIDE))]
@@ -226,7 +233,11 @@ const COUNTS: usize = 2 * size_of::<usize>();
 /// Of a tile that several maps share, each holds its share.
 impl<T> Held for Tiles<T> {
     fn held(&self) -> usize {
-        let shares = self.tiles.iter().flatten().map(|tile| (size_of::<T>() + COUNTS) / Arc::strong_count(tile));
+        let shares = self
+            .tiles
+            .iter()
+            .filter(|tile| !Arc::ptr_eq(tile, &self.unseen))
+            .map(|tile| (size_of::<T>() + COUNTS) / Arc::strong_count(tile));
         self.tiles.held() + shares.sum::<usize>()
     }
 }

@@ -36,6 +36,8 @@ pub(super) struct Walk {
 #[derive(Debug, Clone, Copy)]
 struct Axis {
     cell_m: f64,
+    /// 1 / cell_m, as near as need be: nothing but a guess depends on it.
+    per_cell_m: f64,
     grid_origin: f64,
     origin: f64,
     direction: f64,
@@ -90,7 +92,7 @@ impl Axis {
     #[inline(always)]
     fn at_range(&self, at: u32, border: u32, range: f64, passed: impl Fn(u32) -> bool) -> u32 {
         let end = self.before(border);
-        let guess = (self.origin + range * self.direction - self.grid_origin) / self.cell_m;
+        let guess = (self.origin + range * self.direction - self.grid_origin) * self.per_cell_m;
         let mut here = (guess.max(0.0) as u32).clamp(at.min(end), at.max(end));
         while here != at && !passed(self.entry(here)) {
             here = if self.forward { here - 1 } else { here + 1 };
@@ -108,6 +110,7 @@ impl Walk {
         let spec = numbering.spec();
         let axes = [0, 1].map(|k| Axis {
             cell_m: spec.cell_m,
+            per_cell_m: 1.0 / spec.cell_m,
             grid_origin: spec.origin_m[k],
             origin: origin[k],
             direction: direction[k],

@@ -1,8 +1,9 @@
 //! The likelihood of one reading of a laser for a surface at every range: two levels, with a bump between.
 
 use super::Laser;
-use crate::lanes::{Lanes, each};
-use crate::{in_lanes, normal};
+use crate::in_lanes;
+use crate::lanes::{Beams, Lanes, each};
+use crate::normal::{self, LaneTable};
 
 /// Density of surfaces, as a share of that of all else, that counts as nothing.
 const NEGLIGIBLE: f64 = 1e-11;
@@ -34,10 +35,12 @@ pub(super) struct Curve {
     /// Whether the level in front hides what tables leave out.
     tables_do: bool,
     /// Range up to which a surface that appears behind the sensor can give the reading, m; 0 where none can.
-    pub(super) mirror_m: f64,
+    mirror_m: f64,
     /// Ranges between which the likelihood leaves the one level and reaches the other, m.
-    pub(super) from_m: f64,
-    pub(super) until_m: f64,
+    from_m: f64,
+    until_m: f64,
+    /// Whether there was no echo.
+    endless: bool,
 }
 
 impl Curve {
@@ -55,7 +58,39 @@ impl Curve {
         let [mirror_m, from_m, until_m] =
             [reach_m - centre_m, centre_m - reach_m, centre_m + reach_m].map(|m| m.max(0.0));
         let tables_do = (bump + step) * LEFT_OUT <= HIDDEN * LEAST_WIDTH * floor;
-        Self { centre_m, sharpness, floor, step, bump, reach, tables_do, mirror_m, from_m, until_m }
+        Self {
+            centre_m,
+            sharpness,
+            floor,
+            step,
+            bump,
+            reach,
+            tables_do,
+            mirror_m,
+            from_m,
+            until_m,
+            endless: reading.is_infinite(),
+        }
+    }
+
+    /// Ranges between which all is on the level in front, m.
+    pub(super) fn front_m(&self) -> [f64; 2] {
+        [self.mirror_m, self.from_m]
+    }
+
+    /// Range from which on all is on the level behind, m.
+    pub(super) fn behind_m(&self) -> f64 {
+        self.until_m * (1.0 + 1e-9)
+    }
+
+    /// [`crate::FastKernel::spread_from`]: none behind an echo, and behind the largest range for no echo, whose probability is at
+    /// most one before.
+    pub(super) fn spread_from(&self, range: f64) -> f64 {
+        match range < self.behind_m() {
+            true if self.endless => 1.0,
+            true => f64::INFINITY,
+            false => 0.0,
+        }
     }
 
     /// Mean over the chord `enter ..= exit` (m).
@@ -90,31 +125,101 @@ fn reach(most: f64, floor: f64) -> f64 {
     reach.clamp(normal::REACH, normal::FARTHEST)
 }
 
+/// The curves of several readings, a lane to each.
+pub(super) struct Curves {
+    pub(super) curves: Lanes<Curve>,
+    centre_m: Lanes<f64>,
+    sharpness: Lanes<f64>,
+    floor: Lanes<f64>,
+    step: Lanes<f64>,
+    bump: Lanes<f64>,
+    reach: Lanes<f64>,
+    /// Chords narrower than this, in standard deviations, are not taken from tables; infinite where none is.
+    narrow: Lanes<f64>,
+    mirror_m: Lanes<f64>,
+    from_m: Lanes<f64>,
+    until_m: Lanes<f64>,
+}
+
+impl Curves {
+    pub(super) fn new(laser: &Laser, beams: &Beams) -> Self {
+        let curves: Lanes<Curve> = std::array::from_fn(|l| Curve::new(laser, beams.reading[l]));
+        Self {
+            centre_m: each(|l| curves[l].centre_m),
+            sharpness: each(|l| curves[l].sharpness),
+            floor: each(|l| curves[l].floor),
+            step: each(|l| curves[l].step),
+            bump: each(|l| curves[l].bump),
+            reach: each(|l| curves[l].reach),
+            narrow: each(|l| if curves[l].tables_do { LEAST_WIDTH } else { f64::INFINITY }),
+            mirror_m: each(|l| curves[l].mirror_m),
+            from_m: each(|l| curves[l].from_m),
+            until_m: each(|l| curves[l].until_m),
+            curves,
+        }
+    }
+}
+
+/// A grid line that rays cross: its standard deviations from the readings, and what tables hold of them.
+#[derive(Clone, Copy)]
+struct Line {
+    z: Lanes<f64>,
+    cumulative: Lanes<f64>,
+    integral: Lanes<f64>,
+}
+
+impl Line {
+    #[inline(always)]
+    fn at(curves: &Curves, (cumulatives, integrals): (LaneTable, LaneTable), range: &Lanes<f64>) -> Self {
+        let z = each(|l| (range[l] - curves.centre_m[l]) * curves.sharpness[l]);
+        Self { z, cumulative: cumulatives.at(&z), integral: integrals.at(&z) }
+    }
+}
+
 in_lanes! {
     /// [`Curve::mean`] of one curve per lane, in lanes.
-    pub(super) fn fill<'a>(curves: &'a Lanes<Curve>, ranges: &'a [Lanes<f64>], likelihood: &'a mut [Lanes<f32>]) {
+    pub(super) fn fill<'a>(curves: &'a Curves, ranges: &'a [Lanes<f64>], likelihood: &'a mut [Lanes<f32>]) {
         fill_levels(curves, ranges, likelihood);
     }
 }
 
-/// All but a few chords of a ray lie on a level. Those are told apart in whole vectors; the rest, next to the reading,
-/// are as in double precision, one by one.
+/// All but a few chords of a ray lie on a level. Those next to the reading are taken from tables, and what these do not do is as in
+/// double precision, one by one.
 #[inline(always)]
-fn fill_levels(curves: &Lanes<Curve>, ranges: &[Lanes<f64>], likelihood: &mut [Lanes<f32>]) {
-    let from_m = each(|l| curves[l].from_m);
-    let until_m = each(|l| curves[l].until_m);
-    let mirror_m = each(|l| curves[l].mirror_m);
-    let front = each(|l| curves[l].floor);
-    let behind = each(|l| curves[l].floor + curves[l].step);
+fn fill_levels(curves: &Curves, ranges: &[Lanes<f64>], likelihood: &mut [Lanes<f32>]) {
+    let Curves { floor, step, bump, reach, narrow, mirror_m, from_m, until_m, .. } = curves;
+    let tables = (LaneTable::cumulative(), LaneTable::cumulative_integral());
+    let behind = each(|l| floor[l] + step[l]);
+    let mut before: Option<Line> = None;
     for (out, chord) in likelihood.iter_mut().zip(ranges.windows(2)) {
         let (enter, exit) = (chord[0], chord[1]);
-        let level = each(|l| if enter[l] > until_m[l] { behind[l] } else { front[l] });
-        *out = each(|l| level[l] as f32);
+        let level = each(|l| if enter[l] > until_m[l] { behind[l] } else { floor[l] });
         let between = each(|l| if enter[l] <= until_m[l] { 1.0 } else { 0.0 });
         let between = each(|l| if exit[l] >= from_m[l] { between[l] } else { 0.0 });
         let between = each(|l| if enter[l] <= mirror_m[l] { 1.0 } else { between[l] });
-        if between.iter().sum::<f64>() > 0.0 {
-            one_by_one(curves, &between, &enter, &exit, out);
+        if between.iter().sum::<f64>() <= 0.0 {
+            *out = each(|l| level[l] as f32);
+            before = None;
+            continue;
+        }
+        let near = before.unwrap_or_else(|| Line::at(curves, tables, &enter));
+        let far = Line::at(curves, tables, &exit);
+        before = Some(far);
+        let width = each(|l| far.z[l] - near.z[l]);
+        let density = each(|l| far.cumulative[l] - near.cumulative[l]);
+        let density = each(|l| if density[l] > 0.0 { density[l] } else { 0.0 });
+        let beyond = each(|l| far.integral[l] - near.integral[l]);
+        let beyond = each(|l| if beyond[l] > 0.0 { beyond[l] } else { 0.0 });
+        let above = each(|l| (bump[l] * density[l] + step[l] * beyond[l]) / width[l]);
+        let above = each(|l| if far.z[l] >= -reach[l] { above[l] } else { 0.0 });
+        let above = each(|l| if near.z[l] > reach[l] { step[l] } else { above[l] });
+        let mean = each(|l| floor[l] + above[l]);
+        *out = each(|l| if between[l] > 0.0 { mean[l] } else { level[l] } as f32);
+        let left = each(|l| if width[l] >= narrow[l] { 0.0 } else { between[l] });
+        let left = each(|l| if width[l] < f64::INFINITY { left[l] } else { between[l] });
+        let left = each(|l| if enter[l] <= mirror_m[l] { 1.0 } else { left[l] });
+        if left.iter().sum::<f64>() > 0.0 {
+            one_by_one(&curves.curves, &left, &enter, &exit, out);
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::Stereo;
 use crate::in_lanes;
 use crate::lanes::{LANES, Lanes, each};
-use crate::normal::{self, CumulativeIntegrals};
+use crate::normal::{self, LaneTable};
 
 in_lanes! {
     /// [`bin_probability`](crate::InverseModel::bin_probability) of every chord `ranges[k] ..= ranges[k + 1]` and the bin between two
@@ -17,7 +17,7 @@ in_lanes! {
 fn fill_eight(stereo: &Stereo, cosine: f64, [low, high]: [f64; 2], ranges: &[f64], bins: &mut [f64]) {
     let sigma = stereo.disparity_sigma;
     let (low, high) = (low / sigma, high / sigma);
-    let integrals = CumulativeIntegrals::new();
+    let integrals = LaneTable::cumulative_integral();
     // Of the grid line at which a chord ends: its disparity in standard deviations, and the integrals up to the ends of the bin.
     let first = stereo.at_cosine(ranges[0], cosine) / sigma;
     let mut before = [first, normal::cumulative_integral(high - first), normal::cumulative_integral(low - first)];
