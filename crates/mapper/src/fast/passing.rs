@@ -1,6 +1,8 @@
 //! Rays past the cells that they move: they count, unmoved, where other rays move cells, since a cell is the mean of all rays
 //! through it, Eq. (20).
 
+use std::f64::consts::{PI, SQRT_2, TAU};
+
 use grid::GridSpec;
 use sensor::lanes::{LANES, Lanes, each};
 use sensor::{Ray, in_lanes};
@@ -168,33 +170,70 @@ pub(super) fn farthest(
     others_m: f64,
     neighbours: usize,
 ) -> Vec<f64> {
+    let bearing = |ray: usize| rays[ray].bearing_rad.rem_euclid(TAU);
     let mut order: Vec<usize> = (0..rays.len()).collect();
-    let bearing = |ray: &usize| rays[*ray].bearing_rad;
-    if !rays.is_sorted_by(|a, b| a.bearing_rad <= b.bearing_rad) {
-        order.sort_by(|a, b| bearing(a).total_cmp(&bearing(b)));
-    }
-    let ends: Vec<f64> = order.iter().map(|ray| reach[*ray].end_m).collect();
-    let all = ends.iter().copied().fold(0.0, f64::max);
-    // `most[k][i]` is the maximum of 2^k ends from the i-th on.
-    let mut most = vec![ends];
-    while most[most.len() - 1].len() > 1 << (most.len() - 1) {
-        let (last, half) = (&most[most.len() - 1], 1 << (most.len() - 1));
-        most.push((0..last.len() - half).map(|i| last[i].max(last[i + half])).collect());
-    }
-    let span = order.last().map_or(0.0, bearing) - order.first().map_or(0.0, bearing);
-    let diagonal_m = std::f64::consts::SQRT_2 * spec.cell_m * neighbours as f64;
+    order.sort_by(|a, b| bearing(*a).total_cmp(&bearing(*b)));
+    // Once round, and half of it again on either side.
+    let before = order.partition_point(|ray| bearing(*ray) < PI);
+    let turns = [(&order[before..], -TAU), (&order[..], 0.0), (&order[..before], TAU)];
+    let round = || turns.iter().flat_map(|(order, turn)| order.iter().map(move |ray| (*ray, *turn)));
+    let bearings: Vec<f64> = round().map(|(ray, turn)| bearing(ray) + turn).collect();
+    let most = RangeMaximum::new(round().map(|(ray, _)| reach[ray].end_m).collect());
+    let all = most.over(0, bearings.len());
+    let diagonal_m = SQRT_2 * spec.cell_m * neighbours as f64;
     let mut until_m = vec![all; rays.len()];
-    for ray in &order {
+    for (place, ray) in (order.len() - before..).zip(&order) {
         let nearest_m = reach[*ray].end_m - diagonal_m;
-        let angle = if nearest_m > diagonal_m { 1.6 * diagonal_m / nearest_m } else { std::f64::consts::TAU };
-        if span + angle >= std::f64::consts::TAU {
-            continue;
+        if nearest_m > diagonal_m {
+            until_m[*ray] = common_m(&bearings, &most, place, (1.6 * diagonal_m / nearest_m, nearest_m));
         }
-        let at = bearing(ray);
-        let first = order.partition_point(|other| bearing(other) < at - angle);
-        let end = order.partition_point(|other| bearing(other) <= at + angle);
-        let level = (end - first).ilog2() as usize;
-        until_m[*ray] = most[level][first].max(most[level][end - (1 << level)]);
     }
     until_m.iter().map(|until_m| until_m.max(others_m) + 2.0 * diagonal_m).collect()
+}
+
+/// Up to where the ray with a place in the order of bearings can cross cells of others, m, where it can cross those of rays within
+/// some angle at some range: at twice the range they are within half the angle.
+fn common_m(bearings: &[f64], most: &RangeMaximum, ray: usize, (mut angle, mut range_m): (f64, f64)) -> f64 {
+    let at = bearings[ray];
+    let mut within = 0..bearings.len();
+    let mut until_m: f64 = 0.0;
+    loop {
+        let first = within.start + bearings[within.start..=ray].partition_point(|bearing| *bearing < at - angle);
+        let end = ray + bearings[ray..within.end].partition_point(|bearing| *bearing <= at + angle);
+        within = first..end;
+        let reached_m = most.over(first, end);
+        // Whoever is not within half of the angle is not crossed from here on.
+        range_m *= 2.0;
+        until_m = until_m.max(reached_m.min(range_m));
+        if reached_m <= range_m || within.len() == 1 {
+            return until_m.max(if within.len() == 1 { reached_m } else { 0.0 });
+        }
+        angle *= 0.5;
+    }
+}
+
+/// The largest of consecutive values, in constant time.
+struct RangeMaximum {
+    /// `levels[k][i]` is the maximum of 2^k values from the i-th on.
+    levels: Vec<Vec<f64>>,
+}
+
+impl RangeMaximum {
+    fn new(values: Vec<f64>) -> Self {
+        let mut levels = vec![values];
+        while levels[levels.len() - 1].len() > 1 << (levels.len() - 1) {
+            let (last, half) = (&levels[levels.len() - 1], 1 << (levels.len() - 1));
+            levels.push((0..last.len() - half).map(|i| last[i].max(last[i + half])).collect());
+        }
+        Self { levels }
+    }
+
+    /// Of those from `first` to before `end`; 0 of none.
+    fn over(&self, first: usize, end: usize) -> f64 {
+        if first >= end {
+            return 0.0;
+        }
+        let level = (end - first).ilog2() as usize;
+        self.levels[level][first].max(self.levels[level][end - (1 << level)])
+    }
 }
