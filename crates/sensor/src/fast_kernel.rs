@@ -100,3 +100,46 @@ pub(crate) fn one_by_one(
         likelihood.iter_mut().zip(&exact).for_each(|(to, from)| to[lane] = *from as f32);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Laser, Omnidirectional, Stereo};
+    use proptest::prelude::*;
+
+    proptest! {
+        /// To the bit, from the sensor to behind the reading.
+        #[test]
+        fn what_is_computed_once_is_what_is_asked_anew(
+            share in prop::array::uniform8(0.0f64..1.2), bearing_rad in prop::array::uniform8(-1.7f64..1.7), step in 0.001f64..0.2,
+        ) {
+            let laser = Laser { max_range_m: 8.0, ..Laser::default() };
+            let stereo = Stereo { max_disparity: 8.0, ..Stereo::default() };
+            let kernels: [&dyn FastKernel; 3] = [&laser, &stereo, &Omnidirectional(stereo)];
+            let reading = share.map(|share| if share < 1.0 { 8.0 * share } else { f64::INFINITY });
+            let ranges: Vec<Lanes<f64>> = (0..60).map(|k| [step * f64::from(k); LANES]).collect();
+            for (number, kernel) in kernels.into_iter().enumerate() {
+                let reading = if number == 0 { reading } else { reading.map(|reading| reading.min(8.0)) };
+                let beams = Beams { reading, bearing_rad };
+                let of_readings = kernel.of_readings(&beams);
+                let (mut found, mut expected) = (vec![[0.0; LANES]; 59], vec![[0.0; LANES]; 59]);
+                of_readings.likelihood(&ranges, &mut found);
+                kernel.likelihood_lanes(&beams, &ranges, &mut expected);
+                prop_assert_eq!(bits(&found), bits(&expected));
+                for l in 0..LANES {
+                    let (reading, bearing) = (reading[l], bearing_rad[l]);
+                    let between = kernel.constant_between(reading, bearing);
+                    prop_assert_eq!(of_readings.constant_between(l).map(f64::to_bits), between.map(f64::to_bits));
+                    for range in ranges.iter().map(|range| range[l]) {
+                        let spread = kernel.spread_from(reading, bearing, range);
+                        prop_assert_eq!(of_readings.spread_from(l, range).to_bits(), spread.to_bits());
+                    }
+                }
+            }
+        }
+    }
+
+    fn bits(likelihood: &[Lanes<f32>]) -> Vec<u32> {
+        likelihood.iter().flatten().map(|likelihood| likelihood.to_bits()).collect()
+    }
+}

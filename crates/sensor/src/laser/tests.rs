@@ -4,6 +4,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::fast_kernel::one_by_one;
+use crate::lanes::LANES;
 
 const NOTHING: f64 = f64::INFINITY;
 
