@@ -34,6 +34,8 @@ pub(super) struct Survey {
     pub(super) sensor: Sensor,
     /// Every sensor by its number, and how mappers know it.
     pub(super) sensors: BTreeMap<usize, Known>,
+    /// The sensors that are judged as one, by the number of the first: sonars of one kind of message; every other by itself.
+    pub(super) arrays: BTreeMap<usize, Vec<usize>>,
     /// Scans in use.
     pub(super) kept: u64,
     /// Counts of everything.
@@ -98,6 +100,7 @@ impl Survey {
             place: recording.place(),
             sensor: log.sensor(),
             sensors: BTreeMap::new(),
+            arrays: BTreeMap::new(),
             kept: 0,
             report: Report::default(),
             path: Vec::new(),
@@ -130,6 +133,11 @@ impl Survey {
             survey.kept += 1;
         }
         survey.report = log.report().clone();
+        for number in survey.sensors.keys() {
+            survey.arrays.entry(survey.report.array_of(*number)).or_default().push(*number);
+        }
+        // The first of an array may have no scan in use.
+        survey.arrays = survey.arrays.into_values().map(|numbers| (numbers[0], numbers)).collect();
         Ok(survey)
     }
 

@@ -59,7 +59,7 @@ pub(super) fn world(name: &str, recording: &Recording, told: &Told) -> Result<Vi
         mappers: mapped.collect(),
         scans: Some(Scans {
             unit: match told.survey.sensor {
-                Sensor::Laser { .. } | Sensor::Sonar => ReadingUnit::Range,
+                Sensor::Laser { .. } | Sensor::Sonar { .. } => ReadingUnit::Range,
                 Sensor::Stereo => ReadingUnit::Disparity(told.options.stereo.focal_baseline),
             },
             scans,

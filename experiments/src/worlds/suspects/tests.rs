@@ -31,7 +31,7 @@ fn found(sensor: usize, change: impl Fn(usize, &mut Scan)) -> Vec<Suspect> {
         })
         .collect();
     let sensors = ["camera", "laser"].into_iter().enumerate();
-    let sensors: Vec<Named> = sensors.map(|(number, called)| Named { number, called: called.to_owned() }).collect();
+    let sensors: Vec<Named> = sensors.map(|(number, called)| Named { numbers: vec![number], called: called.to_owned() }).collect();
     let suspects = suspects(setup, &sensors, 5, &mut |each| {
         scans.iter().for_each(each);
         Ok(())
@@ -40,7 +40,7 @@ fn found(sensor: usize, change: impl Fn(usize, &mut Scan)) -> Vec<Suspect> {
 }
 
 fn named_of(suspects: &[Suspect]) -> Vec<(usize, &'static str)> {
-    named(suspects).into_iter().map(|(sensor, wrong)| (sensor.number, wrong.word())).collect()
+    named(suspects).into_iter().map(|(sensor, wrong)| (sensor.number(), wrong.word())).collect()
 }
 
 /// What cannot be read of a reading; a number that looks like none, the same for the same ray.
@@ -108,7 +108,7 @@ fn a_sensor_is_turned_back_by_what_it_was_turned() {
 
 #[test]
 fn a_sensor_alone_is_held_against_nothing() {
-    let named = [Named { number: 0, called: "camera".to_owned() }];
+    let named = [Named { numbers: vec![0], called: "camera".to_owned() }];
     let suspects = suspects(&OFFICE.0, &named, 5, &mut |_| panic!("nothing is read"));
     assert!(suspects.expect("nothing to read").is_empty());
 }
