@@ -361,7 +361,8 @@ impl<'a> Log<'a> {
             Some(problem) => format!("; {unit} {}: {}", problem.line, problem.reason),
             None if unit == Unit::Message => "; the topics that were named have no message".to_owned(),
             None if self.report.lines == 0 => {
-                ": it is empty; give a CARMEN log with FLASER, RLASER, ROBOTLASER1 or SONAR, or a table of scans".to_owned()
+                ": it is empty; give a CARMEN log with FLASER, RLASER, ROBOTLASER1 or SONAR, or a table of scans"
+                    .to_owned()
             }
             None => {
                 let names: Vec<_> = self.report.skipped.keys().take(5).cloned().collect();

@@ -273,7 +273,8 @@ impl Report {
         all.extend(some(large, Finding::LargeDisparities { count: large, beams, most_px: self.max_disparity_px }));
         // Sonars may have one each.
         let others = self.sensors.values().filter(|sensor| !sensor.is_sonar());
-        let (scans, of_them) = others.fold((0, 0), |(scans, beams), sensor| (scans + sensor.scans, beams + sensor.beams));
+        let (scans, of_them) =
+            others.fold((0, 0), |(scans, beams), sensor| (scans + sensor.scans, beams + sensor.beams));
         if scans >= LEAST_FOR_ONE_BEAM && scans == of_them {
             all.push(Finding::OneBeam { scans });
         }
@@ -490,10 +491,7 @@ mod tests {
     #[test]
     fn a_report_as_text() {
         let mut report = Report { lines: 4, kept: 1, damaged: 1, steps_back: 1, ..Report::default() };
-        report.readings(
-            &[Some(1.0), None, Some(f64::INFINITY)],
-            Sensor::Laser { max_range_m: 80.0, beams: 3 },
-        );
+        report.readings(&[Some(1.0), None, Some(f64::INFINITY)], Sensor::Laser { max_range_m: 80.0, beams: 3 });
         report.at(0.0);
         report.at(2.5);
         report.skip("ODOM");

@@ -267,10 +267,7 @@ mod tests {
         let found: Vec<_> = out.iter().map(|r| (r.sensor, r.kind, r.unit.is_ok())).collect();
         let laser = Sensor::Laser { max_range_m: 80.0, beams: 1 };
         let sonar = Sensor::Sonar { max_range_m: None, width_rad: None };
-        assert_eq!(
-            found[..4],
-            [(7, sonar, true), (0, Sensor::Stereo, true), (2, laser, true), (7, sonar, true)]
-        );
+        assert_eq!(found[..4], [(7, sonar, true), (0, Sensor::Stereo, true), (2, laser, true), (7, sonar, true)]);
         let refused: Vec<&str> = out.iter().filter_map(|r| r.unit.as_ref().err().map(String::as_str)).collect();
         let expected = |sensor: usize| {
             format!("sensor {sensor} has readings in disparity_px and range_m; give each sensor a number of its own")

@@ -99,7 +99,9 @@ fn without_lasers_the_odometry_puts_them() {
     // The last has no pose after it.
     assert_eq!((report.unplaced, report.kept), (1, 29));
     let said: Vec<String> = report.findings().iter().map(ToString::to_string).collect();
-    for start in ["the pose equals the odometry", "line 2: no PARAM robot_max_sonar", "1 scans of raw lasers or sonars are"] {
+    for start in
+        ["the pose equals the odometry", "line 2: no PARAM robot_max_sonar", "1 scans of raw lasers or sonars are"]
+    {
         assert!(said.iter().any(|line| line.starts_with(start)), "{said:?}");
     }
     let warned = report.findings().into_iter().filter(Finding::is_warning).count();
@@ -126,7 +128,8 @@ fn options_come_before_the_log_and_sonars_can_be_left_out() {
 
 #[test]
 fn what_has_no_pose_near_in_time_is_left_out_and_counted() {
-    let robot = |time_s: f64| odom(pose(time_s, 0.0, 0.0), time_s) + &laser(pose(time_s, 0.0, 0.0), Pose::default(), time_s);
+    let robot =
+        |time_s: f64| odom(pose(time_s, 0.0, 0.0), time_s) + &laser(pose(time_s, 0.0, 0.0), Pose::default(), time_s);
     let both = [(Some(2.0), LEFT), (Some(3.0), AHEAD)];
     let text = sonar(0.5, &both, 0.5)
         + &robot(1.0)

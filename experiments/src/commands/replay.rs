@@ -57,7 +57,8 @@ pub fn run(mut options: ReplayOptions) -> Result<(), Failure> {
     let Some(recording) = Recording::of(&mut options)? else { return Ok(()) };
     let options = &options;
     threads::limit(options.threads.count)?;
-    let survey = Survey::of(&recording, options.reach, &|kind| options.sensor(kind))?;
+    let survey = Survey::of(&recording, options.reach, &|event| options.sensor_of(event))?;
+    kernels::refuse_no_ranges(&options.depth.depth, &recording.place(), &survey.report)?;
     reading::tell_before_mapping(&recording.place(), &survey.report);
     options.tell_idle(&recording.place(), &survey.report, survey.sensor);
     if survey.kept == 0 {

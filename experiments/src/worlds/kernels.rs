@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use clap::Args;
 use logs::{Report, Sensor};
-use sensor::{Laser, SensorModel, Sonar, Stereo};
+use sensor::{Depth, Laser, Omnidirectional, Scan, SensorModel, Sonar, Stereo};
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
@@ -46,6 +46,19 @@ pub struct StereoOptions {
     /// Largest disparity searched, px
     #[arg(long, help_heading = "Stereo camera", value_name = "PX", default_value_t = Stereo::default().max_disparity, allow_negative_numbers = true, value_parser = positive)]
     pub max_disparity: f64,
+}
+
+impl StereoOptions {
+    /// The camera that they describe.
+    pub fn camera(&self) -> Stereo {
+        let Self { focal_baseline, disparity_sigma, correct_match, max_disparity } = *self;
+        Stereo { focal_baseline, disparity_sigma, correct_match, max_disparity }
+    }
+
+    /// The same, of one that looks all round.
+    pub fn all_round(&self) -> Omnidirectional {
+        Omnidirectional(self.camera())
+    }
 }
 
 /// The kernel of a sonar.
@@ -101,8 +114,66 @@ impl SonarOptions {
     }
 }
 
-fn cone(text: &str) -> Result<f64, String> {
+/// The angle of a cone, degrees.
+///
+/// # Errors
+/// One that no sonar has.
+pub fn cone(text: &str) -> Result<f64, String> {
     number(text, "of degrees from 0.1 to 170", |value| (0.1..=170.0).contains(&value))
+}
+
+/// The kernel of depth cameras, whose ranges a log does not tell from a laser's.
+#[derive(Debug, Clone, Args)]
+pub struct DepthOptions {
+    /// Sensors whose ranges are a depth camera's, by their numbers; a log without numbers has number 0
+    #[arg(
+        long,
+        help_heading = "Depth camera",
+        value_name = "N,N",
+        value_delimiter = ',',
+        allow_negative_numbers = true
+    )]
+    pub depth: Vec<usize>,
+    /// Standard deviation of the inverse range, 1/m
+    #[arg(long, help_heading = "Depth camera", value_name = "1/M", default_value_t = Depth::default().inverse_sigma_per_m, allow_negative_numbers = true, value_parser = positive)]
+    pub depth_sigma: f64,
+    /// Probability that a reading is of the first surface
+    #[arg(long, help_heading = "Depth camera", value_name = "P", default_value_t = Depth::default().hit, allow_negative_numbers = true, value_parser = probability)]
+    pub depth_hit: f64,
+    /// Range beyond which it measures nothing, m
+    #[arg(long, help_heading = "Depth camera", value_name = "M", default_value_t = Depth::default().max_range_m, allow_negative_numbers = true, value_parser = positive)]
+    pub depth_range: f64,
+}
+
+impl DepthOptions {
+    /// The camera that they describe.
+    pub fn camera(&self) -> Depth {
+        Depth { inverse_sigma_per_m: self.depth_sigma, max_range_m: self.depth_range, hit: self.depth_hit }
+    }
+}
+
+/// Refuses sensors that were called depth cameras and have no ranges.
+///
+/// # Errors
+/// The first such sensor, and what it is.
+pub fn refuse_no_ranges(depth: &[usize], place: &str, report: &Report) -> Result<(), Failure> {
+    for sensor in depth {
+        let what = match report.sensors.get(sensor).and_then(|found| found.kind) {
+            Some(Sensor::Laser { .. }) => continue,
+            None => "the log has no such sensor".to_owned(),
+            Some(kind) => format!("that sensor is {}", called(kind)),
+        };
+        return Err(Failure::BadInput(format!("{place}: --depth {sensor}: {what}; name one with ranges")));
+    }
+    Ok(())
+}
+
+/// A stereo camera that sees something farther to the side than this, rad, looks all round: no image plane is as wide.
+pub const PLANE_RAD: f64 = 87.5 * std::f64::consts::PI / 180.0;
+
+/// Whether a scan of a stereo camera is of one that looks all round.
+pub fn is_all_round(scan: &Scan) -> bool {
+    scan.bearings_rad.iter().any(|bearing| bearing.abs() > PLANE_RAD)
 }
 
 /// What a kind of sensor is called in messages.
@@ -145,10 +216,7 @@ pub fn sensor(place: &str, sensor: Sensor, (laser, stereo, sonar): Kernels) -> R
             laser.validate().map_err(|error| Failure::BadInput(format!("{place}: {error}")))?;
             Ok(Arc::new(laser))
         }
-        Sensor::Stereo => {
-            let StereoOptions { focal_baseline, disparity_sigma, correct_match, max_disparity } = stereo;
-            Ok(Arc::new(Stereo { focal_baseline, disparity_sigma, correct_match, max_disparity }))
-        }
+        Sensor::Stereo => Ok(Arc::new(stereo.camera())),
         Sensor::Sonar { max_range_m, width_rad } => {
             let sonar = sonar.sonar(max_range_m, width_rad);
             sonar.validate().map_err(|error| Failure::BadInput(format!("{place}: sonars: {error}")))?;

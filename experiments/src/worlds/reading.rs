@@ -77,8 +77,7 @@ pub(crate) fn tell_after_mapping(place: &str, report: &Report, fails: bool) {
 /// Options of `replay` and `calibrate` that are of lasers alone, of sonars alone, and of stereo cameras alone.
 const OF_LASERS: [&str; 8] =
     ["range_sigma", "hit", "no_echo", "early", "max_range", "fov", "first_bearing", "increment"];
-const OF_SONARS: [&str; 6] =
-    ["sonar_range", "sonar_width", "sonar_sigma", "sonar_hit", "sonar_no_echo", "sonar_early"];
+const OF_SONARS: [&str; 6] = ["sonar_range", "sonar_width", "sonar_sigma", "sonar_hit", "sonar_no_echo", "sonar_early"];
 const OF_CAMERAS: [&str; 4] = ["focal_baseline", "disparity_sigma", "correct_match", "max_disparity"];
 
 /// Where the beams of a laser go, which a table says for each.

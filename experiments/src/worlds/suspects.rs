@@ -55,8 +55,11 @@ pub fn suspects(
 /// None of its own.
 pub fn of_drive(setup: &Model, scene: &Scene, simulation: &Simulation) -> Result<Vec<Suspect>, Failure> {
     let camera = (scene.camera.columns > 0).then(|| Named { numbers: vec![0], called: "camera".to_owned() });
-    let beside =
-        scene.sensors.iter().zip(1..).map(|(sensor, number)| Named { numbers: vec![number], called: sensor.name.clone() });
+    let beside = scene
+        .sensors
+        .iter()
+        .zip(1..)
+        .map(|(sensor, number)| Named { numbers: vec![number], called: sensor.name.clone() });
     let sensors: Vec<Named> = camera.into_iter().chain(beside).collect();
     suspects(setup, &sensors, OF_DRIVE, &mut |each| {
         simulation.scans.iter().flat_map(SimulatedScan::together).for_each(|scan| each(&scan));

@@ -58,14 +58,14 @@ pub(super) struct Known {
 }
 
 impl Known {
-    /// Makes the model of every sensor once, of the kind of its first scan.
-    fn by_number(model: &dyn Fn(Sensor) -> Result<Shared, Failure>) -> impl FnMut(&Event) -> Result<Self, Failure> {
+    /// Makes the model of every sensor once, by its first scan.
+    fn by_number(model: &dyn Fn(&Event) -> Result<Shared, Failure>) -> impl FnMut(&Event) -> Result<Self, Failure> {
         let mut known: BTreeMap<usize, Self> = BTreeMap::new();
         move |event| {
             if let Some(known) = known.get(&event.sensor) {
                 return Ok(known.clone());
             }
-            let new = Self { kind: event.kind, model: model(event.kind)? };
+            let new = Self { kind: event.kind, model: model(event)? };
             Ok(known.entry(event.sensor).or_insert(new).clone())
         }
     }
@@ -88,7 +88,7 @@ impl Survey {
     pub(super) fn of(
         recording: &Recording,
         reach: Option<f64>,
-        model: &dyn Fn(Sensor) -> Result<Shared, Failure>,
+        model: &dyn Fn(&Event) -> Result<Shared, Failure>,
     ) -> Result<Self, Failure> {
         let mut sensors = Known::by_number(model);
         let reach_m = match reach {

@@ -1,9 +1,10 @@
 //! Options of `replay`.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
-use logs::{Report, Sensor, Unit};
+use logs::{Event, Report, Sensor, Unit};
 use mapper::Repeats;
 
 use crate::failure::Failure;
@@ -15,7 +16,7 @@ use crate::output::folder;
 use crate::output::recording::RecordingOption;
 use crate::programs::options::ProgramOptions;
 use crate::worlds::agreement::Spread;
-use crate::worlds::kernels::{self, Kernels, LaserOptions, Shared, SonarOptions, StereoOptions};
+use crate::worlds::kernels::{self, DepthOptions, Kernels, LaserOptions, Shared, SonarOptions, StereoOptions};
 use crate::worlds::ranked::SortOption;
 use crate::worlds::reading::{self, DAMAGED_SHARE, FanArgs, stem};
 use crate::worlds::source::BagArgs;
@@ -105,6 +106,9 @@ pub struct ReplayOptions {
     /// What the mappers know of sonars
     #[command(flatten)]
     pub sonar: SonarOptions,
+    /// What the mappers know of depth cameras
+    #[command(flatten)]
+    pub depth: DepthOptions,
     /// Views up to so far apart share their false readings, m: what repeats is no news to `visibility-dynamic`
     #[arg(long, value_name = "M", default_value_t = Repeats::CHOSEN.distance_m, allow_negative_numbers = true, value_parser = positive)]
     pub repeat_distance: f64,
@@ -203,6 +207,10 @@ impl ReplayOptions {
         {
             self.given.warn(&["max_gap"], place, "a log that has poses of its own");
         }
+        if self.depth.depth.is_empty() {
+            let of_depth = ["depth_sigma", "depth_hit", "depth_range"];
+            self.given.warn(&of_depth, place, "a log in which --depth names no sensor");
+        }
         if !self.mappers.iter().any(|mapper| mapper == HEEDFUL) {
             let among = format!("of which none is {HEEDFUL}");
             self.given.warn(&["repeat_distance", "repeat_angle"], "these mappers", &among);
@@ -219,6 +227,15 @@ impl ReplayOptions {
     /// What the mappers know of the sensor that took the log.
     pub(super) fn sensor(&self, sensor: Sensor) -> Result<Shared, Failure> {
         kernels::sensor(&self.log.display().to_string(), sensor, self.kernels())
+    }
+
+    /// What the mappers know of the sensor that took a scan of the log.
+    pub(super) fn sensor_of(&self, event: &Event) -> Result<Shared, Failure> {
+        match event.kind {
+            Sensor::Laser { .. } if self.depth.depth.contains(&event.sensor) => Ok(Arc::new(self.depth.camera())),
+            Sensor::Stereo if kernels::is_all_round(&event.scan) => Ok(Arc::new(self.stereo.all_round())),
+            kind => self.sensor(kind),
+        }
     }
 
     /// What the mappers know, kind by kind.

@@ -233,10 +233,14 @@ fn configuration(told: &Told) -> Value {
         let all = first.map(|(number, known)| (number.to_string(), described(known.kind)));
         configuration["sensors"] = Value::Object(all.collect());
     }
+    let cameras =
+        told.options.depth.depth.iter().map(|number| (number.to_string(), json!(told.options.depth.camera())));
+    let cameras: serde_json::Map<String, Value> = cameras.collect();
     // What is seldom asked for stands there where it was.
     let rare = [
         ("body", (options.body == Body::Robot).then(|| json!("robot"))),
         ("bag", options.bag.record()),
+        ("depth", (!cameras.is_empty()).then(|| Value::Object(cameras))),
         ("given_max_range_m", options.max_range.map(|max_range_m| json!(max_range_m))),
         (
             "repeat_distance_m",
