@@ -32,6 +32,12 @@ const FEWEST: usize = 300;
 /// Pixels of surfaces farther than this share of the largest range are left out: noise takes some of them beyond.
 const WITHIN: f64 = 0.9;
 
+/// A surface that is seen at such an angle is seen by any camera, degrees.
+const FRONT_DEG: f64 = 45.0;
+
+/// Angles that are tried before the search.
+const STEPS: u32 = 60;
+
 /// Angle between a ray and the surface that it crosses, and whether there is a reading.
 type Look = (f64, bool);
 
@@ -81,14 +87,41 @@ fn fitted(looks: &[Vec<Look>], has_angle: bool) -> (Vec<Found>, String) {
         };
         Some(looks.iter().map(|looks| (looks.iter().map(loss).sum(), looks.len() as u64)).collect())
     };
+    let parameters = begun(parameters, looks, &losses);
     let Some(fit) = search::fit(&parameters, None, &losses, &|| ()) else {
         return (parameters.iter().map(untold).collect(), "no share of missed pixels could be tried".to_owned());
     };
     let about = format!(
-        "{} that of {rays} rays that cross straight surfaces, with or without a reading",
-        if has_angle { "detection_rate and grazing_deg are" } else { "detection_rate, texture included, is" }
+        "{} of {rays} rays that cross straight surfaces, with or without a reading",
+        if has_angle {
+            "detection_rate and grazing_deg are those"
+        } else {
+            "detection_rate, texture included, is that"
+        }
     );
     (fit.found, about)
+}
+
+/// Where the search begins: the share that is read of surfaces seen from in front, and the angle that is then the likeliest. From elsewhere a walk
+/// parameter by parameter can miss a step as sharp as this.
+fn begun(mut parameters: Vec<Parameter>, looks: &[Vec<Look>], losses: &dyn Fn(&[f64]) -> Losses) -> Vec<Parameter> {
+    let in_front = || looks.iter().flatten().filter(|(angle_deg, _)| *angle_deg >= FRONT_DEG);
+    let (read, all) = (in_front().filter(|(_, is_read)| *is_read).count(), in_front().count());
+    let [least, most] = parameters[0].range;
+    if all > 0 {
+        parameters[0].start = (read as f64 / all as f64).clamp(least, most);
+    }
+    let share = parameters[0].start;
+    if let Some(angle) = parameters.get_mut(1) {
+        let [low, high] = angle.range;
+        let tried = (0..=STEPS).map(|k| low * libm::pow(high / low, f64::from(k) / f64::from(STEPS)));
+        let loss = |angle_deg: &f64| {
+            let all = losses(&[share, *angle_deg]);
+            all.map_or(f64::INFINITY, |all| all.iter().map(|(sum, _)| sum).sum::<f64>())
+        };
+        angle.start = tried.min_by(|a, b| loss(a).total_cmp(&loss(b))).unwrap_or(angle.start);
+    }
+    parameters
 }
 
 /// What a scene takes where nothing is told.
