@@ -15,7 +15,9 @@ use experiments::worlds::ground::Ground;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use grid::{GridSpec, Raster, npy};
-use sensor::Laser;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng as _;
+use sensor::{Laser, Pose, Sonar};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -488,12 +490,81 @@ fn several_sensors_are_mapped_together_and_one_that_is_wrong_is_named() {
         assert_eq!(own.len(), 2);
         assert!((sum / readings - together[0].1).abs() < 1e-4, "the readings of all are those of each");
     }
-    for command in ["calibrate", "speed"] {
-        let mut one = Command::cargo_bin("experiments").expect("built");
-        let words: &[&str] = if command == "speed" { &["--scans"] } else { &[] };
-        let done = one.current_dir(folder.path()).arg(command).args(words).arg("room/scans.csv").output();
-        let said = String::from_utf8(done.expect("starts").stderr).expect("text");
-        let expected = format!("room/scans.csv: holds readings of a laser and a stereo camera, and `{command}` takes");
-        assert!(said.contains(&expected), "{said}");
+    let mut one = Command::cargo_bin("experiments").expect("built");
+    let done = one.current_dir(folder.path()).args(["speed", "--scans", "room/scans.csv"]).output();
+    let said = String::from_utf8(done.expect("starts").stderr).expect("text");
+    assert!(
+        said.contains("room/scans.csv: holds readings of a laser and a stereo camera, and `speed` takes"),
+        "{said}"
+    );
+}
+
+/// A CARMEN log of a laser and of a ring of eight sonars, which stand on a circle of 0.2 m; the ring is turned by so many degrees against what the log says.
+fn with_ring(degrees: f64) -> String {
+    let ground = recorded::room();
+    let (laser, sonar) = (Laser { max_range_m: 20.0, ..Laser::default() }, Sonar::default());
+    let mut rng = ChaCha8Rng::seed_from_u64(7);
+    let mut log = "PARAM robot_front_laser_max 20.0\nPARAM robot_max_sonar 5.0\n".to_owned();
+    let cast =
+        |at: Pose, bearing: f64| ground.world.cast(at.position_m(), at.direction(bearing)).map(|hit| hit.range_m);
+    for timed in ground.drive.poses.iter().step_by(3) {
+        let (robot, time) = (timed.pose, 100.0 + timed.time_s);
+        let _ = write!(log, "FLASER 91");
+        for beam in 0..91 {
+            let reading = laser.sample(cast(robot, (2.0 * f64::from(beam) - 90.0).to_radians()), &mut rng);
+            let _ = write!(log, " {:.3}", if reading.is_finite() { reading.min(19.99) } else { 20.0 });
+        }
+        let place = format!("{:.4} {:.4} {:.5}", robot.x_m, robot.y_m, robot.theta_rad);
+        let _ = writeln!(log, " {place} 0 0 0 {time:.3} robot {time:.3}");
+        let on_ring = |k: u32, turn_rad: f64| {
+            let theta_rad = f64::from(k) * std::f64::consts::FRAC_PI_4 + turn_rad;
+            Pose { x_m: 0.2 * theta_rad.cos(), y_m: 0.2 * theta_rad.sin(), theta_rad }
+        };
+        let (mut ranges, mut mounts) = (String::new(), String::new());
+        for k in 0..8 {
+            let (told, true_mount) = (on_ring(k, 0.0), on_ring(k, degrees.to_radians()));
+            let (sin, cos) = robot.theta_rad.sin_cos();
+            let at = Pose {
+                x_m: robot.x_m + cos * true_mount.x_m - sin * true_mount.y_m,
+                y_m: robot.y_m + sin * true_mount.x_m + cos * true_mount.y_m,
+                theta_rad: robot.theta_rad + true_mount.theta_rad,
+            };
+            let cone = (-20..=20).filter_map(|step| cast(at, f64::from(step) / 40.0 * sonar.width_rad));
+            let reading = sonar.sample(cone.reduce(f64::min), &mut rng);
+            let _ = write!(ranges, "{:.2} ", reading.min(5.0));
+            let _ = write!(mounts, "{:.3} {:.3} {:.6} ", told.x_m, told.y_m, told.theta_rad);
+        }
+        let _ = writeln!(log, "SONAR {:.6} 8 {ranges}{mounts}{time:.3} robot {time:.3}", sonar.width_rad);
+    }
+    log
+}
+
+#[test]
+fn the_sonars_of_a_carmen_log_are_mapped_with_its_laser_and_a_ring_that_is_turned_is_named() {
+    let folder = TempDir::new().expect("a folder");
+    for (degrees, named) in [(0.0, None), (6.0, Some("sensor 1 (sonars) fits the map of the other sensors"))] {
+        fs::write(folder.path().join("ring.log"), with_ring(degrees)).expect("written");
+        let words = ["ring.log", "--mappers", "visibility", "--grid", "0.1", "--out", "out", "--format", "csv"];
+        let done = replay(folder.path(), &words);
+        let said = String::from_utf8(done.stderr).expect("text");
+        assert!(done.status.success(), "{said}");
+        let warned: Vec<&str> = said.lines().filter(|line| line.starts_with("warning: ")).collect();
+        match named {
+            None => assert_eq!(warned, [""; 0]),
+            Some(named) => assert!(warned.len() == 1 && warned[0].contains(named), "{said}"),
+        }
+        // The ring is judged as one.
+        let by_sensor = fs::read_to_string(folder.path().join("out/by-sensor.csv")).expect("written");
+        let own: Vec<&str> = by_sensor.lines().filter(|row| row.starts_with("visibility,")).collect();
+        assert!(
+            own.len() == 2 && own[0].starts_with("visibility,0,a laser,") && own[1].starts_with("visibility,1,sonars,"),
+            "{by_sensor}"
+        );
+        let record: serde_json::Value =
+            serde_json::from_str(&fs::read_to_string(folder.path().join("out/run.json")).expect("written"))
+                .expect("JSON");
+        let sensors = &record["configuration"]["sensors"];
+        assert_eq!((sensors["1"]["max_range_m"].as_f64(), sensors["2"].is_null()), (Some(5.0), true), "{sensors}");
+        assert!((sensors["1"]["width_rad"].as_f64().expect("a cone") - Sonar::default().width_rad).abs() < 1e-5);
     }
 }

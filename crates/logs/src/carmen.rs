@@ -5,7 +5,8 @@
 //! | `FLASER`, `RLASER` | `n r_1 .. r_n x y theta odom_x odom_y odom_theta ipc_time host logger_time` |
 //! | `ROBOTLASER1` .. `5` | `laser_type start_angle field_of_view angular_resolution maximum_range accuracy remission_mode n r_1 .. r_n m rem_1 .. rem_m laser_x laser_y laser_theta robot_x robot_y robot_theta tv rv forward_safety side_safety turn_axis ipc_time host logger_time`; `m` and the remissions may be missing |
 //! | `RAWLASER1` .. `5` | the same up to the remissions, then `ipc_time host logger_time` |
-//! | `ODOM` | `x y theta tv rv acceleration ipc_time host logger_time`: poses for raw lasers |
+//! | `SONAR` | `cone_angle n r_1 .. r_n x_1 y_1 theta_1 .. x_n y_n theta_n ipc_time host logger_time`, with where each sonar stands on the robot |
+//! | `ODOM` | `x y theta tv rv acceleration ipc_time host logger_time`: poses for raw lasers and sonars |
 //! | `PARAM` | `name value`, from there on |
 //!
 //! Every other message and `#` comments are skipped and counted by name. Every kind of message is a sensor of its own. A scan has the
@@ -13,6 +14,13 @@
 //!
 //! **Raw lasers** have no pose: it is that of the odometry before and after them, not bridged over more than
 //! [`Options::max_gap_s`], and of where the laser stands on the robot. They are left out where the same laser has scans with poses.
+//!
+//! **Sonars** have no pose in any version of CARMEN that writes them: the robot stands where its lasers with poses put it, so that sonars of a
+//! corrected log are corrected too, else where the odometry does; both are interpolated, and not bridged over more than
+//! [`Options::max_gap_s`] nor over a jump. Every sonar of a line is a sensor of its own, in the order of the line, with a scan of one reading; together they are an
+//! array ([`Report::array_of`]). The cone is in rad, from pi on in degrees, and not known where it is 0. Readings from
+//! [`Options::max_sonar_m`] on, else from `PARAM robot_max_sonar`, else from 5 m, are no echo. Lines `SONAR n r_1 .. r_n` with two poses behind them, as those of
+//! lasers have, do not say where sonars stand: they are skipped, and a [`Finding`].
 //!
 //! **Said twice.** Where a laser has the same ranges at the same time in messages of two names, such as `FLASER` and `ROBOTLASER1`,
 //! the second is skipped.
@@ -32,25 +40,31 @@
 //! `max`, else 80 m. A maximum from 81.8 to 82 m is taken as 81.8 m: SICK's codes for no echo are 81.83 to 81.91 m, and
 //! logs with them claim up to 82 m.
 
-mod odometry;
 mod parameters;
+mod sonar;
+mod track;
+mod waiting;
 
 use std::collections::{BTreeMap, VecDeque};
 use std::f64::consts::{PI, TAU};
 
 use sensor::{Pose, Scan};
 
-use self::odometry::Waiting;
 use self::parameters::Parameters;
+use self::sonar::Sonars;
+use self::waiting::Waiting;
 use crate::bounds::{FAR_M, LATE_S, WOUND_RAD};
 use crate::fan::{Fan, FanSource, guessed};
 use crate::fields::{Fields, quoted};
 use crate::finding::Finding;
 use crate::frames::{distance_m, mounted, seen_from, turn_rad};
 use crate::options::Options;
-use crate::ranges::{Rule, check_unit};
+use crate::ranges::{MAX_SONAR_M, Rule, check_unit};
 use crate::record::{Fault, Parser, Recorded, Sensor};
 use crate::report::{FanReport, Report};
+
+/// The name of messages of sonars.
+const SONAR: &str = "SONAR";
 
 /// Fields of the messages behind the ranges and remissions.
 const BEHIND_FLASER: usize = 9;
@@ -68,6 +82,8 @@ pub(crate) struct Carmen {
     parameters: Parameters,
     /// Names of the messages that held scans, in order: the sensors.
     names: Vec<String>,
+    /// The sensors that the sonars of a line are, in its order.
+    sonars: Vec<usize>,
     waiting: Waiting,
     ranges_m: Vec<f64>,
     /// The last scan of each laser that has a pose.
@@ -97,6 +113,7 @@ impl Carmen {
             options: options.clone(),
             parameters: Parameters::default(),
             names: Vec::new(),
+            sonars: Vec::new(),
             waiting: Waiting::default(),
             ranges_m: Vec::new(),
             last: BTreeMap::new(),
@@ -232,11 +249,38 @@ impl Carmen {
             report.fan(sensor, message.name, found);
         }
         let scan = Scan { sensor: 0, time_s: message.time_s, pose: Pose::default(), bearings_rad, readings };
-        let (mount, odometry, placed, gap, number) = (Pose::default(), None, false, None, None);
-        Ok(Recorded { scan, sensor, kind, mount, odometry, placed, gap, line: message.line, unit, number })
+        Ok(Recorded { scan, unit, ..Recorded::of(sensor, kind, message.line) })
     }
 
-    /// `ODOM`, as far as it can be read: it is of use for raw lasers alone.
+    /// The scans of the sonars of a line.
+    fn sonars(&mut self, sonars: Sonars, line: u64, report: &mut Report) -> Result<Vec<Recorded>, String> {
+        let Sonars { width_rad, time_s, mut ranges_m, mounts } = sonars;
+        let max_m = self.options.max_sonar_m.or(self.parameters.max_sonar_m());
+        let rule = Rule { min_m: self.options.min_range_m, max_m: max_m.unwrap_or(MAX_SONAR_M) };
+        let kind = Sensor::Sonar { max_range_m: Some(rule.max_m), width_rad };
+        let readings: Vec<Option<f64>> = ranges_m.iter().map(|range| rule.reading(*range)).collect();
+        check_unit(&mut ranges_m)?;
+        if self.sonars.is_empty() {
+            if max_m.is_none() {
+                report.noted.push(Finding::GuessedSonarRange { line, taken_m: rule.max_m });
+            }
+            if mounts.len() > 1 && mounts.iter().all(|mount| is_same(*mount, mounts[0])) {
+                report.noted.push(Finding::SonarsAlike { line, count: mounts.len() });
+            }
+        }
+        while self.sonars.len() < mounts.len() {
+            self.sonars.push(self.names.len());
+            report.sensors.entry(self.names.len()).or_default().name = SONAR.to_owned();
+            self.names.push(SONAR.to_owned());
+        }
+        let of = |(k, (mount, reading)): (usize, (Pose, Option<f64>))| {
+            let scan = Scan { time_s, bearings_rad: vec![0.0], readings: vec![reading], ..Scan::default() };
+            Recorded { scan, mount, follows: k > 0, ..Recorded::of(self.sonars[k], kind, line) }
+        };
+        Ok(mounts.into_iter().zip(readings).enumerate().map(of).collect())
+    }
+
+    /// `ODOM`, as far as it can be read: it is of use for raw lasers and sonars alone.
     fn odometry(&mut self, fields: &mut Fields<'_>) -> Option<()> {
         let pose = pose(fields, "odometry").ok()?;
         fields.skip(3); // velocities, acceleration
@@ -245,7 +289,8 @@ impl Carmen {
     }
 
     fn placed(&mut self, laser: u8, recorded: Recorded, report: &mut Report, out: &mut VecDeque<Recorded>) {
-        self.waiting.placed(laser, report);
+        let robot = (recorded.scan.time_s, robot(&recorded));
+        self.waiting.placed(laser, recorded.mount, robot, report);
         if self.is_said_again(laser, &recorded) {
             report.said_again += 1;
             return report.skip(&self.names[recorded.sensor]);
@@ -253,7 +298,7 @@ impl Carmen {
         if recorded.unit.is_ok() && recorded.odometry.is_some_and(|odometry| is_odometry(&recorded, odometry)) {
             report.sensors.entry(recorded.sensor).or_default().odometry_poses += 1;
         }
-        out.push_back(recorded);
+        self.waiting.give(recorded, out);
     }
 
     /// Whether the last message of the laser, of another name, has the same ranges at this time: newer programs of CARMEN write
@@ -272,8 +317,21 @@ impl Carmen {
 
 /// Whether a scan's pose is that of the odometry, or of the laser on it.
 fn is_odometry(recorded: &Recorded, odometry: Pose) -> bool {
-    let same = |pose: Pose| distance_m(pose, recorded.scan.pose) < SAME && turn_rad(pose, recorded.scan.pose) < SAME;
-    same(odometry) || same(mounted(odometry, recorded.mount))
+    let pose = recorded.scan.pose;
+    is_same(odometry, pose) || is_same(mounted(odometry, recorded.mount), pose)
+}
+
+fn is_same(a: Pose, b: Pose) -> bool {
+    distance_m(a, b) < SAME && turn_rad(a, b) < SAME
+}
+
+/// Where the robot stood whose laser has this pose. Some programs write the robot's pose for the laser's, which then is the odometry.
+fn robot(recorded: &Recorded) -> Pose {
+    let (mount, pose) = (recorded.mount, recorded.scan.pose);
+    match recorded.odometry {
+        Some(odometry) if is_same(odometry, pose) => pose,
+        _ => mounted(pose, seen_from(mount, Pose::default())),
+    }
 }
 
 impl Parser for Carmen {
@@ -306,6 +364,17 @@ impl Parser for Carmen {
             match recorded.unit {
                 Ok(()) => self.waiting.scan(laser, recorded),
                 Err(_) => out.push_back(recorded),
+            }
+        } else if name == SONAR && self.options.sonars {
+            match sonar::read(fields)? {
+                Some(sonars) => {
+                    let sonars = self.sonars(sonars, number, report)?;
+                    self.waiting.sonars(sonars);
+                }
+                None => {
+                    report.unmounted(number);
+                    report.skip(name);
+                }
             }
         } else {
             match name {

@@ -9,7 +9,7 @@ use crate::record::{Event, Recorded};
 use crate::report::Report;
 use crate::trajectory::{At, Body, Trajectory};
 
-use sensor::Pose;
+use sensor::{Pose, Scan};
 
 /// Counts scans in the order of the log, drops those that were not asked for and puts the others on the trajectory.
 pub(crate) struct Choice {
@@ -57,7 +57,7 @@ impl Choice {
 
     /// The scan with its time since the start, if it is to be given.
     pub(crate) fn take(&mut self, recorded: Recorded, report: &mut Report) -> Option<Event> {
-        let Recorded { mut scan, sensor, kind, mount, odometry, placed, gap, line, .. } = recorded;
+        let Recorded { mut scan, sensor, kind, mount, from_reference, odometry, placed, gap, line, .. } = recorded;
         let clock_s = scan.time_s;
         scan.time_s = clock_s - self.start_s;
         scan.sensor = sensor;
@@ -78,10 +78,11 @@ impl Choice {
                 }
             };
             scan.pose = match body {
-                Body::Sensor => pose,
+                Body::Sensor => mounted(pose, from_reference),
                 Body::Robot => mounted(pose, mount),
             };
         } else if !placed {
+            report.sensors.entry(sensor).or_default().without_pose += 1;
             match gap {
                 Some(gap) => report.in_gap(gap),
                 None => report.unplaced += 1,
@@ -92,7 +93,7 @@ impl Choice {
         if let Some(before) = self.places.insert(sensor, place) {
             report.motion.add(before, place);
         }
-        if !self.thinning.keeps(scan.pose, &self.options) {
+        if !self.thinning.keeps(&scan, &self.options) {
             report.thinned += 1;
             return None;
         }
@@ -101,16 +102,27 @@ impl Choice {
     }
 }
 
-/// Every n-th scan, and of these those that were made far enough from the last.
+/// Every n-th scan, and of these those that were made far enough from the last. What several sensors read at one time is one scan.
 #[derive(Debug, Default)]
 struct Thinning {
     seen: u64,
     last: Option<Pose>,
+    /// Time (s) and sensor of the last scan, and whether it was kept.
+    before: Option<(f64, usize, bool)>,
 }
 
 impl Thinning {
-    /// Whether to keep a scan that was made here.
-    fn keeps(&mut self, pose: Pose, options: &Options) -> bool {
+    /// Whether to keep a scan.
+    fn keeps(&mut self, scan: &Scan, options: &Options) -> bool {
+        let keeps = match self.before {
+            Some((time_s, sensor, kept)) if time_s.to_bits() == scan.time_s.to_bits() && sensor < scan.sensor => kept,
+            _ => self.keeps_moment(scan.pose, options),
+        };
+        self.before = Some((scan.time_s, scan.sensor, keeps));
+        keeps
+    }
+
+    fn keeps_moment(&mut self, pose: Pose, options: &Options) -> bool {
         let nth = self.seen.is_multiple_of(options.every);
         self.seen += 1;
         if !nth || !self.last.is_none_or(|last| far_enough(last, pose, options)) {
@@ -139,7 +151,8 @@ mod tests {
         let mut thinning = Thinning::default();
         let mut keeps = |k: &usize| {
             let (x_m, theta_rad) = poses[*k];
-            thinning.keeps(Pose { x_m, y_m: 0.0, theta_rad }, options)
+            let pose = Pose { x_m, y_m: 0.0, theta_rad };
+            thinning.keeps(&Scan { time_s: *k as f64, pose, ..Scan::default() }, options)
         };
         (0..poses.len()).filter(|k| keeps(k)).collect()
     }
@@ -148,6 +161,23 @@ mod tests {
     fn every_nth_from_the_first_on() {
         assert_eq!(kept(&[(0.0, 0.0); 7], &Options { every: 3, ..Options::default() }), [0, 3, 6]);
         assert_eq!(kept(&[(0.0, 0.0); 3], &Options::default()), [0, 1, 2]);
+    }
+
+    #[test]
+    fn what_several_sensors_read_at_one_time_is_kept_or_dropped_together() {
+        let kept = |options: &Options| {
+            let mut thinning = Thinning::default();
+            let scans = [(0.0, 0), (0.0, 1), (0.0, 3), (1.0, 0), (1.0, 1), (2.0, 1), (2.0, 0), (2.0, 1)];
+            let mut keeps = |(time_s, sensor): (f64, usize)| {
+                let pose = Pose { x_m: time_s, ..Pose::default() };
+                thinning.keeps(&Scan { sensor, time_s, pose, ..Scan::default() }, options)
+            };
+            scans.map(&mut keeps)
+        };
+        let second = Options { every: 2, ..Options::default() };
+        assert_eq!(kept(&second), [true, true, true, false, false, true, false, false]);
+        let far = Options { least_move_m: Some(1.5), ..Options::default() };
+        assert_eq!(kept(&far), [true, true, true, false, false, true, false, false]);
     }
 
     #[test]

@@ -26,6 +26,11 @@ impl<'a> Fields<'a> {
         Ok(field)
     }
 
+    /// The next field as it stands, to be read again.
+    pub(crate) fn peek(&self) -> Option<&'a [u8]> {
+        self.fields.get(self.next).copied()
+    }
+
     /// Passes over so many fields.
     pub(crate) fn skip(&mut self, count: usize) {
         self.next = self.fields.len().min(self.next + count);

@@ -92,7 +92,7 @@ pub enum Finding {
         /// How many.
         scans: u64,
     },
-    /// Scans of raw lasers without odometry around them, or of a bag without poses around them, were left out.
+    /// Scans of raw lasers and sonars without poses of the robot around them, or of a bag without poses around them, were left out.
     Unplaced {
         /// How many.
         scans: u64,
@@ -153,6 +153,34 @@ pub enum Finding {
         /// What was taken.
         taken: &'static str,
     },
+    /// How far the sonars of a CARMEN log hear was taken from nowhere.
+    GuessedSonarRange {
+        /// Line of the first message.
+        line: u64,
+        /// What was taken, m.
+        taken_m: f64,
+    },
+    /// Many readings of sonars have exactly the longest range.
+    SonarMaximum {
+        /// The range, m.
+        range_m: f64,
+        /// How many.
+        count: u64,
+    },
+    /// All sonars of a message stand at one place and look the same way.
+    SonarsAlike {
+        /// Line of the first message.
+        line: u64,
+        /// How many sonars.
+        count: usize,
+    },
+    /// Messages of sonars that do not say where these stand were skipped.
+    WithoutMounts {
+        /// How many.
+        lines: u64,
+        /// The first of them.
+        line: u64,
+    },
     /// Times of a trajectory were taken for another unit than seconds.
     TrajectoryUnit {
         /// Name of the unit.
@@ -205,6 +233,9 @@ impl Finding {
             | Self::Split { .. }
             | Self::InfiniteDisparities { .. }
             | Self::GuessedMount { .. }
+            | Self::SonarMaximum { .. }
+            | Self::SonarsAlike { .. }
+            | Self::WithoutMounts { .. }
             | Self::TrajectoryStrays { .. } => true,
             Self::OdometryPoses { .. }
             | Self::Gaps { .. }
@@ -212,6 +243,7 @@ impl Finding {
             | Self::Unplaced { .. }
             | Self::ZeroDisparities { .. }
             | Self::Regrouped { .. }
+            | Self::GuessedSonarRange { .. }
             | Self::TrajectoryUnit { .. }
             | Self::TrajectorySorted { .. }
             | Self::TrajectoryDoubled { .. }

@@ -317,13 +317,14 @@ impl<'a> Log<'a> {
     }
 
     fn count(&mut self, recorded: &Recorded) {
-        self.report.readings(&recorded.scan.readings, matches!(recorded.kind, Sensor::Laser { .. }));
+        self.report.readings(&recorded.scan.readings, recorded.kind);
         let sensor = self.report.sensors.entry(recorded.sensor).or_default();
         sensor.scans += 1;
+        sensor.beams += recorded.scan.readings.len() as u64;
         sensor.kind.get_or_insert(recorded.kind);
         let maxima = [recorded.kind, self.sensor].map(|sensor| match sensor {
             Sensor::Laser { max_range_m, .. } => max_range_m,
-            Sensor::Stereo | Sensor::Sonar => f64::INFINITY,
+            Sensor::Stereo | Sensor::Sonar { .. } => f64::INFINITY,
         });
         let are_lasers = maxima.iter().all(|max_range_m| max_range_m.is_finite());
         if are_lasers && maxima[0].total_cmp(&maxima[1]).is_ne() && !std::mem::replace(&mut self.maximum_changed, true)
@@ -360,12 +361,13 @@ impl<'a> Log<'a> {
             Some(problem) => format!("; {unit} {}: {}", problem.line, problem.reason),
             None if unit == Unit::Message => "; the topics that were named have no message".to_owned(),
             None if self.report.lines == 0 => {
-                ": it is empty; give a CARMEN log with FLASER, RLASER or ROBOTLASER1, or a table of scans".to_owned()
+                ": it is empty; give a CARMEN log with FLASER, RLASER, ROBOTLASER1 or SONAR, or a table of scans"
+                    .to_owned()
             }
             None => {
                 let names: Vec<_> = self.report.skipped.keys().take(5).cloned().collect();
                 let only = if names.is_empty() { String::new() } else { format!(", only {}", names.join(", ")) };
-                only + "; give a CARMEN log with FLASER, RLASER, ROBOTLASER1, or RAWLASER1 and ODOM, or a table of scans"
+                only + "; give a CARMEN log with FLASER, RLASER, ROBOTLASER1, or RAWLASER1 or SONAR and ODOM, or a table of scans"
             }
         };
         LogError::NoScan { place: self.place.clone(), lines: self.report.lines, unit, reason }

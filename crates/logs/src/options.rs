@@ -12,15 +12,20 @@ pub struct Options {
     pub min_range_m: f64,
     /// A laser reading of this or more is a no-return, m. By default what the log gives, else 80 m.
     pub max_range_m: Option<f64>,
+    /// A reading of a sonar of this or more is no echo, m. By default what the log gives, else 5 m in a CARMEN log, and in a table as for lasers.
+    pub max_sonar_m: Option<f64>,
+    /// Whether the sonars of a CARMEN log are read; otherwise their lines are skipped. True by default.
+    pub sonars: bool,
     /// A disparity above this is no match, px, and a scan most of whose disparities lie above it is refused. By default there is
     /// no bound.
     pub max_disparity_px: Option<f64>,
     /// Directions of the beams of a laser in a CARMEN log, instead of what the log gives, see [`carmen`](crate::carmen).
     pub fan: FanOptions,
-    /// Two poses of a trajectory, or of the odometry of a raw laser, that are more than this apart are not bridged, s; scans in
+    /// Two poses of a trajectory, or of what puts raw lasers and sonars in their places, that are more than this apart are not bridged, s; scans in
     /// between are dropped and counted. 1 by default.
     pub max_gap_s: f64,
-    /// Every n-th scan alone, from the first on, of those within the time window and the trajectory; 1 by default.
+    /// Every n-th scan alone, from the first on, of those within the time window and the trajectory; 1 by default. What several sensors read
+    /// at one time counts once, and is kept or dropped together; so it is by [`least_move_m`](Self::least_move_m).
     pub every: u64,
     /// Scans of these times alone, s since the first scan of the log; the end is not included.
     pub window_s: Option<Range<f64>>,
@@ -41,6 +46,8 @@ impl Default for Options {
         Self {
             min_range_m: 0.0,
             max_range_m: None,
+            max_sonar_m: None,
+            sonars: true,
             max_disparity_px: None,
             fan: FanOptions::default(),
             max_gap_s: 1.0,
@@ -68,6 +75,9 @@ impl Options {
         }
         if let Some(max) = self.max_range_m.filter(|max| max.is_nan() || *max <= self.min_range_m) {
             return refuse("max_range_m", max.to_string(), "a number of m above min_range_m");
+        }
+        if let Some(max) = self.max_sonar_m.filter(|max| max.is_nan() || *max <= self.min_range_m) {
+            return refuse("max_sonar_m", max.to_string(), "a number of m above min_range_m");
         }
         if let Some(max) = self.max_disparity_px.filter(|max| max.is_nan() || *max <= 0.0) {
             return refuse("max_disparity_px", max.to_string(), "a number of px above 0");
@@ -114,6 +124,7 @@ mod tests {
             ("min_range_m", Options { min_range_m: -1.0, ..fine.clone() }),
             ("max_range_m", Options { min_range_m: 2.0, max_range_m: Some(2.0), ..fine.clone() }),
             ("max_range_m", Options { max_range_m: Some(f64::NAN), ..fine.clone() }),
+            ("max_sonar_m", Options { max_sonar_m: Some(0.0), ..fine.clone() }),
             ("max_disparity_px", Options { max_disparity_px: Some(0.0), ..fine.clone() }),
             ("fan", fan(None, Some(f64::NAN), None)),
             ("fan", fan(Some(7.0), None, None)),

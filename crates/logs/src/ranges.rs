@@ -6,6 +6,9 @@ use crate::report::NoMatchCodes;
 /// The maximum range where neither options nor log name one, m.
 pub(crate) const MAX_RANGE_M: f64 = 80.0;
 
+/// The maximum range of sonars where neither options nor a CARMEN log name one, m: that of [`sensor::Sonar`].
+pub(crate) const MAX_SONAR_M: f64 = 5.0;
+
 /// Scanners that see farther than this on average are taken for a mistake of units, m: no building is so large, and SICK's codes for no
 /// echo are below.
 const FAR_MEDIAN_M: f64 = 82.0;
@@ -93,6 +96,11 @@ pub(crate) fn check_scale(disparities: &mut Vec<f64>, most_px: Option<f64>) -> R
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn sonars_hear_as_far_as_mappers_take_them_to() {
+        assert_eq!(MAX_SONAR_M, sensor::Sonar::default().max_range_m);
+    }
 
     #[test]
     fn a_range_is_an_echo_no_echo_or_nothing() {

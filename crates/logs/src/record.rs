@@ -19,7 +19,12 @@ pub enum Sensor {
     /// A stereo camera: readings are disparities in px.
     Stereo,
     /// Sonars: readings are ranges in m of the nearest thing in a cone.
-    Sonar,
+    Sonar {
+        /// Readings from here on are no echo, m; none where the log does not say.
+        max_range_m: Option<f64>,
+        /// Angle between the edges of the cone, rad; none where the log does not say.
+        width_rad: Option<f64>,
+    },
 }
 
 /// A scan with what a log tells of it beside.
@@ -45,6 +50,8 @@ pub(crate) struct Recorded {
     pub(crate) kind: Sensor,
     /// Where the sensor stands on the robot.
     pub(crate) mount: Pose,
+    /// The sensor, seen from the one whose poses a trajectory of [`Body::Sensor`](crate::Body::Sensor) has: from itself, but for sonars beside a laser.
+    pub(crate) from_reference: Pose,
     pub(crate) odometry: Option<Pose>,
     /// Whether the log gives the scan a pose.
     pub(crate) placed: bool,
@@ -56,6 +63,28 @@ pub(crate) struct Recorded {
     pub(crate) unit: Result<(), String>,
     /// Number of the scan, where the log has one.
     pub(crate) number: Option<u64>,
+    /// Whether it is of the message that the scan before is of.
+    pub(crate) follows: bool,
+}
+
+impl Recorded {
+    /// A scan of which nothing is known but what took it, and where it stands in the log.
+    pub(crate) fn of(sensor: usize, kind: Sensor, line: u64) -> Self {
+        Self {
+            scan: Scan::default(),
+            sensor,
+            kind,
+            mount: Pose::default(),
+            from_reference: Pose::default(),
+            odometry: None,
+            placed: false,
+            gap: None,
+            line,
+            unit: Ok(()),
+            number: None,
+            follows: false,
+        }
+    }
 }
 
 /// What is wrong with a line.

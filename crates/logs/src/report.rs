@@ -48,8 +48,12 @@ pub struct SensorReport {
     pub kind: Option<Sensor>,
     /// Its scans, whether kept or not.
     pub scans: u64,
+    /// Their beams.
+    pub beams: u64,
     /// Scans whose pose is that of the odometry.
     pub odometry_poses: u64,
+    /// Scans that are left out since the log has no pose for them.
+    pub without_pose: u64,
     /// Fans by their number of beams, in order.
     pub fans: Vec<FanReport>,
 }
@@ -94,6 +98,33 @@ pub struct Gap {
     pub from_s: f64,
     /// How long it is, s.
     pub long_s: f64,
+}
+
+/// The longest range, and how often it comes.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Longest {
+    /// Echoes.
+    pub echoes: u64,
+    /// The longest, m; 0 without one.
+    pub range_m: f64,
+    /// Echoes that have it.
+    pub count: u64,
+}
+
+impl Longest {
+    fn add(&mut self, range_m: f64) {
+        self.echoes += 1;
+        if range_m > self.range_m {
+            (self.range_m, self.count) = (range_m, 1);
+        } else {
+            self.count += u64::from(range_m.total_cmp(&self.range_m).is_eq());
+        }
+    }
+
+    /// Whether more than one echo in a hundred has it.
+    fn is_suspected(&self) -> bool {
+        self.count >= 10 && self.count * 100 > self.echoes
+    }
 }
 
 /// Disparities that cannot be, and were taken for no match.
@@ -149,7 +180,7 @@ pub struct Report {
     pub longest_gap: Option<Gap>,
     /// The longest gap that is bridged, s.
     pub max_gap_s: f64,
-    /// Scans without a pose: of raw lasers, without odometry around them; of a bag, without poses before and after them.
+    /// Scans without a pose: of raw lasers and sonars, without poses of the robot around them; of a bag, without poses before and after them.
     pub unplaced: u64,
     /// Where the poses of a bag come from.
     pub poses: Option<String>,
@@ -167,6 +198,10 @@ pub struct Report {
     pub longest_m: f64,
     /// Beams that have it.
     pub longest_beams: u64,
+    /// The longest range of sonars.
+    pub longest_of_sonars: Longest,
+    /// Messages of sonars that do not say where these stand, and the line of the first.
+    pub without_mounts: (u64, u64),
     /// Time of the first scan by the log's own clock, s.
     pub start_s: f64,
     /// Every sensor, by its number.
@@ -195,6 +230,13 @@ impl Report {
         (self.longest_beams >= 10 && self.longest_beams * 100 > echoes).then_some(self.longest_m)
     }
 
+    /// The first sensor of the array that a sensor is of: of a CARMEN log's sonars, that of the first in each line; else the sensor itself.
+    pub fn array_of(&self, sensor: usize) -> usize {
+        let name = |found: &SensorReport| found.is_sonar().then(|| found.name.clone()).filter(|name| !name.is_empty());
+        let Some(own) = self.sensors.get(&sensor).and_then(name) else { return sensor };
+        self.sensors.iter().find(|(_, other)| name(other).as_ref() == Some(&own)).map_or(sensor, |(first, _)| *first)
+    }
+
     /// Scans that were not given.
     pub fn left_out(&self) -> u64 {
         self.outside_window + self.outside_trajectory + self.in_gaps + self.unplaced + self.strays + self.thinned
@@ -202,7 +244,9 @@ impl Report {
 
     /// What is to be known of the log, warnings first.
     pub fn findings(&self) -> Vec<Finding> {
-        let mut all: Vec<Finding> = self.sensors.values().flat_map(sensor_findings).collect();
+        // Of an array, its first sensor stands for all.
+        let first = self.sensors.iter().filter(|(number, _)| self.array_of(**number) == **number);
+        let mut all: Vec<Finding> = first.flat_map(|(_, sensor)| sensor_findings(sensor)).collect();
         if self.along_trajectory {
             all.retain(|finding| !matches!(finding, Finding::OdometryPoses { .. }));
         }
@@ -227,12 +271,27 @@ impl Report {
         all.extend(some(zero, Finding::ZeroDisparities { count: zero, beams }));
         all.extend(some(infinite, Finding::InfiniteDisparities { count: infinite }));
         all.extend(some(large, Finding::LargeDisparities { count: large, beams, most_px: self.max_disparity_px }));
-        if self.scans >= LEAST_FOR_ONE_BEAM && self.scans == beams {
-            all.push(Finding::OneBeam { scans: self.scans });
+        // Sonars may have one each.
+        let others = self.sensors.values().filter(|sensor| !sensor.is_sonar());
+        let (scans, of_them) =
+            others.fold((0, 0), |(scans, beams), sensor| (scans + sensor.scans, beams + sensor.beams));
+        if scans >= LEAST_FOR_ONE_BEAM && scans == of_them {
+            all.push(Finding::OneBeam { scans });
         }
+        let longest = self.longest_of_sonars;
+        if longest.is_suspected() {
+            all.push(Finding::SonarMaximum { range_m: longest.range_m, count: longest.count });
+        }
+        let (lines, line) = self.without_mounts;
+        all.extend(some(lines, Finding::WithoutMounts { lines, line }));
         all.extend(self.noted.iter().cloned());
         all.sort_by_key(|finding| !finding.is_warning());
         all
+    }
+
+    pub(crate) fn unmounted(&mut self, line: u64) {
+        let (lines, first) = self.without_mounts;
+        self.without_mounts = (lines + 1, if lines == 0 { line } else { first });
     }
 
     pub(crate) fn stray(&mut self, stray: Stray) {
@@ -281,13 +340,15 @@ impl Report {
         }
     }
 
-    pub(crate) fn readings(&mut self, readings: &[Option<f64>], laser: bool) {
+    pub(crate) fn readings(&mut self, readings: &[Option<f64>], kind: Sensor) {
+        let laser = matches!(kind, Sensor::Laser { .. });
         self.scans += 1;
         self.beams += readings.len() as u64;
         for reading in readings {
             match *reading {
                 None => self.unusable += 1,
                 Some(f64::INFINITY) => self.no_returns += 1,
+                Some(range) if matches!(kind, Sensor::Sonar { .. }) => self.longest_of_sonars.add(range),
                 Some(range) if laser && range > self.longest_m => (self.longest_m, self.longest_beams) = (range, 1),
                 Some(range) => self.longest_beams += u64::from(laser && range.total_cmp(&self.longest_m).is_eq()),
             }
@@ -300,11 +361,17 @@ impl Report {
     }
 }
 
+impl SensorReport {
+    fn is_sonar(&self) -> bool {
+        matches!(self.kind, Some(Sensor::Sonar { .. }))
+    }
+}
+
 /// Fewer scans of one beam each tell nothing.
 const LEAST_FOR_ONE_BEAM: u64 = 100;
 
 fn sensor_findings(sensor: &SensorReport) -> Vec<Finding> {
-    let SensorReport { name, scans, odometry_poses, fans, .. } = sensor;
+    let SensorReport { name, scans, odometry_poses, without_pose, fans, .. } = sensor;
     let mut all = Vec::new();
     for FanReport { line, beams, fan, source, fits } in fans.iter().copied() {
         let sensor = name.clone();
@@ -316,8 +383,8 @@ fn sensor_findings(sensor: &SensorReport) -> Vec<Finding> {
             FanSource::Log | FanSource::Options => {}
         }
     }
-    if *scans > 1 && odometry_poses == scans {
-        all.push(Finding::OdometryPoses { sensor: name.clone(), scans: *scans });
+    if *odometry_poses > 1 && odometry_poses + without_pose == *scans {
+        all.push(Finding::OdometryPoses { sensor: name.clone(), scans: *odometry_poses });
     }
     all
 }
@@ -377,19 +444,54 @@ mod tests {
     fn a_longest_range_that_comes_again_and_again_is_suspected() {
         let mut report = Report::default();
         let mut readings: Vec<_> = (0..500).map(|k| Some(f64::from(k) * 0.01)).collect();
-        report.readings(&readings, true);
+        let laser = Sensor::Laser { max_range_m: 80.0, beams: 1 };
+        report.readings(&readings, laser);
         assert_eq!((report.suspected_max_range_m(), report.longest_m), (None, 4.99));
         readings.extend([Some(29.99); 20]);
-        report.readings(&readings, true);
+        report.readings(&readings, laser);
         assert_eq!(report.suspected_max_range_m(), Some(29.99));
-        report.readings(&[Some(60.0); 20], false);
+        report.readings(&[Some(60.0); 20], Sensor::Stereo);
         assert_eq!(report.suspected_max_range_m(), Some(29.99), "disparities are no ranges");
+        assert_eq!(report.findings(), []);
+        report.readings(&[Some(3.0), Some(2.0), None, Some(f64::INFINITY)].repeat(9), SONAR);
+        assert_eq!(report.findings(), []);
+        report.readings(&[Some(3.0)], SONAR);
+        assert_eq!(report.findings(), [Finding::SonarMaximum { range_m: 3.0, count: 10 }]);
+        assert_eq!(report.suspected_max_range_m(), Some(29.99), "that is of lasers");
+    }
+
+    const SONAR: Sensor = Sensor::Sonar { max_range_m: None, width_rad: None };
+
+    #[test]
+    fn the_sonars_of_a_message_are_an_array_and_its_first_stands_for_all() {
+        let sensor = |name: &str, kind: Sensor| SensorReport {
+            name: name.to_owned(),
+            kind: Some(kind),
+            scans: 200,
+            beams: 200,
+            odometry_poses: 200,
+            without_pose: 0,
+            fans: Vec::new(),
+        };
+        let laser = Sensor::Laser { max_range_m: 80.0, beams: 1 };
+        let all = [("FLASER", laser), ("SONAR", SONAR), ("SONAR", SONAR), ("", SONAR), ("", SONAR)];
+        let sensors = all.into_iter().enumerate().map(|(number, (name, kind))| (number, sensor(name, kind)));
+        let report = Report { sensors: sensors.collect(), ..Report::default() };
+        assert_eq!([0, 1, 2, 3, 4, 9].map(|number| report.array_of(number)), [0, 1, 1, 3, 4, 9]);
+        let names: Vec<String> = (report.findings().iter())
+            .filter_map(|finding| match finding {
+                Finding::OdometryPoses { sensor, .. } => Some(sensor.clone()),
+                _ => None,
+            })
+            .collect();
+        assert_eq!(names, ["FLASER", "SONAR", "", ""]);
+        assert!(report.findings().contains(&Finding::OneBeam { scans: 200 }), "of the laser alone");
     }
 
     #[test]
     fn a_report_as_text() {
         let mut report = Report { lines: 4, kept: 1, damaged: 1, steps_back: 1, ..Report::default() };
-        report.readings(&[Some(1.0), None, Some(f64::INFINITY)], true);
+        report.readings(&[Some(1.0), None, Some(f64::INFINITY)], Sensor::Laser { max_range_m: 80.0, beams: 3 });
         report.at(0.0);
         report.at(2.5);
         report.skip("ODOM");

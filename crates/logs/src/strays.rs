@@ -26,7 +26,7 @@ pub(crate) fn near(a: (Pose, f64), b: (Pose, f64)) -> bool {
     distance_m(a.0, b.0) <= NEAR_M + FASTEST_M_S * (a.1 - b.1).abs().min(LONGEST_S)
 }
 
-/// Leaves out groups of fewer than ten scans that lie far from the drive. Holds at most 30 scans.
+/// Leaves out groups of fewer than ten scans that lie far from the drive; all sonars of a message count once. Holds at most 30 of these.
 #[derive(Default)]
 pub(crate) struct Strays {
     /// The last place of the drive, once ten scans tell where it is.
@@ -62,13 +62,13 @@ impl Strays {
             self.groups.len() - 1
         });
         self.groups[group].push((self.seen, recorded));
-        if self.groups[group].len() == SURE {
+        if !self.groups[group].last().is_some_and(|(_, last)| last.follows) && messages(&self.groups[group]) == SURE {
             let sure = self.groups.swap_remove(group);
             self.leave_out(sure.first().map_or(place, |(_, first)| self::place(first)), report);
             self.groups.push(sure);
             self.release(out);
             self.drive = Some(place);
-        } else if self.groups.iter().map(Vec::len).sum::<usize>() > MOST {
+        } else if self.groups.iter().map(|group| messages(group)).sum::<usize>() > MOST {
             self.given_up = true;
             self.release(out);
         }
@@ -104,6 +104,11 @@ impl Strays {
     }
 }
 
+/// How many messages scans are of.
+fn messages(scans: &[(u64, Recorded)]) -> usize {
+    scans.iter().filter(|(_, recorded)| !recorded.follows).count()
+}
+
 fn place(recorded: &Recorded) -> (Pose, f64) {
     (recorded.scan.pose, recorded.scan.time_s)
 }
@@ -121,9 +126,7 @@ mod tests {
         let (mut strays, mut report, mut out) = (Strays::default(), Report::default(), VecDeque::new());
         for (line, x_m) in (0..).zip(places) {
             let scan = Scan { time_s: line as f64, pose: Pose { x_m: *x_m, ..Pose::default() }, ..Scan::default() };
-            let (sensor, kind, mount) = (0, Sensor::Stereo, Pose::default());
-            let (odometry, placed, gap, unit, number) = (None, true, None, Ok(()), None);
-            let recorded = Recorded { scan, sensor, kind, mount, odometry, placed, gap, line, unit, number };
+            let recorded = Recorded { scan, placed: true, ..Recorded::of(0, Sensor::Stereo, line) };
             strays.take(recorded, &mut report, &mut out);
         }
         strays.end(&mut report, &mut out);

@@ -9,7 +9,7 @@
 //! | `bearing_rad` | direction of the beam, -2 pi to 2 pi |
 //! | `disparity_px` | of stereo scans, as `room` writes them: no match where it is empty, NaN, 0, negative, infinite or above [`Options::max_disparity_px`] |
 //! | `range_m` | of laser scans: nothing usable where it is empty, NaN, 0 or negative; `inf` or the maximum range (80 m by default) where there was no echo |
-//! | `sonar_m` | of sonar scans, a row for each cone and the bearing of its axis: as `range_m`, of the nearest thing in the cone |
+//! | `sonar_m` | of sonar scans, a row for each cone and the bearing of its axis: as `range_m`, of the nearest thing in the cone; no echo from [`Options::max_sonar_m`] on |
 //! | `odom_x_m`, `odom_y_m`, `odom_theta_rad` | pose of the robot by its odometry; may be missing or empty |
 //!
 //! There is at least one of `disparity_px`, `range_m` and `sonar_m`. In a table with several, each sensor has its readings in one of them; without
@@ -28,7 +28,7 @@ mod row;
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
-use sensor::{Pose, Scan};
+use sensor::Scan;
 
 use self::gather::{ByColumn, Gather, Group};
 use self::head::{Columns, DISPARITY, NAMES, READINGS, SONAR, TIME};
@@ -44,6 +44,9 @@ pub(crate) use self::head::Head;
 pub(crate) struct Table {
     columns: Columns,
     rule: Rule,
+    /// That of sonars.
+    sonar_rule: Rule,
+    max_sonar_m: Option<f64>,
     max_disparity_px: Option<f64>,
     gather: Gather,
     /// Number and time of the last complete scan, and how many different ones there were.
@@ -56,9 +59,12 @@ pub(crate) struct Table {
 impl Table {
     /// A table with this first line.
     pub(crate) fn new(head: &[u8], options: &Options) -> Result<Self, String> {
+        let rule = Rule::new(options, None);
         Ok(Self {
             columns: Columns::new(head)?,
-            rule: Rule::new(options, None),
+            rule,
+            sonar_rule: Rule { max_m: options.max_sonar_m.unwrap_or(rule.max_m), ..rule },
+            max_sonar_m: options.max_sonar_m,
             max_disparity_px: options.max_disparity_px,
             gather: Gather::new(),
             last: None,
@@ -108,20 +114,16 @@ impl Table {
             let mut raw = group.raw[kind].clone();
             let (sensor_kind, unit) = match READINGS[kind] {
                 DISPARITY => (Sensor::Stereo, check_scale(&mut raw, self.max_disparity_px)),
-                SONAR => (Sensor::Sonar, check_unit(&mut raw)),
+                SONAR => (Sensor::Sonar { max_range_m: self.max_sonar_m, width_rad: None }, check_unit(&mut raw)),
                 _ => (Sensor::Laser { max_range_m: self.rule.max_m, beams: readings.len() }, check_unit(&mut raw)),
             };
             Recorded {
                 scan: Scan { time_s, readings, ..group.scan.clone() },
-                sensor: number(kind),
-                kind: sensor_kind,
-                mount: Pose::default(),
                 odometry: group.first.odometry,
                 placed: true,
-                gap: None,
-                line: group.line,
                 unit: fault.clone().map_or(unit, Err),
                 number: Some(group.first.number),
+                ..Recorded::of(number(kind), sensor_kind, group.line)
             }
         };
         kinds.iter().map(|kind| recorded(*kind)).collect()
@@ -133,6 +135,7 @@ impl Table {
         for kind in self.columns.readings() {
             readings[kind] = match READINGS[kind] {
                 DISPARITY => disparity(row.raw[kind], self.max_disparity_px, &mut report.codes),
+                SONAR => row.raw[kind].and_then(|range| self.sonar_rule.reading(range)),
                 _ => row.raw[kind].and_then(|range| self.rule.reading(range)),
             };
         }
@@ -167,6 +170,8 @@ impl Parser for Table {
 
 #[cfg(test)]
 mod tests {
+    use sensor::Pose;
+
     use super::gather::MOST_BEAMS;
     use super::*;
 
@@ -261,10 +266,8 @@ mod tests {
         table.end(&mut report, &mut out);
         let found: Vec<_> = out.iter().map(|r| (r.sensor, r.kind, r.unit.is_ok())).collect();
         let laser = Sensor::Laser { max_range_m: 80.0, beams: 1 };
-        assert_eq!(
-            found[..4],
-            [(7, Sensor::Sonar, true), (0, Sensor::Stereo, true), (2, laser, true), (7, Sensor::Sonar, true)]
-        );
+        let sonar = Sensor::Sonar { max_range_m: None, width_rad: None };
+        assert_eq!(found[..4], [(7, sonar, true), (0, Sensor::Stereo, true), (2, laser, true), (7, sonar, true)]);
         let refused: Vec<&str> = out.iter().filter_map(|r| r.unit.as_ref().err().map(String::as_str)).collect();
         let expected = |sensor: usize| {
             format!("sensor {sensor} has readings in disparity_px and range_m; give each sensor a number of its own")

@@ -322,13 +322,13 @@ proptest! {
     #[test]
     fn random_bytes_are_read_or_refused_in_one_line(bytes in prop::collection::vec(any::<u8>(), 0..2000)) {
         holds(&bytes, &Options::default())?;
-        for start in [&b"FLASER "[..], b"ROBOTLASER1 ", b"RAWLASER1 ", b"scan,x_m,y_m,theta_rad,bearing_rad,range_m\n", b"\x1f\x8b\x08\0", b"BZh91AY&SY"] {
+        for start in [&b"FLASER "[..], b"ROBOTLASER1 ", b"RAWLASER1 ", b"SONAR ", b"SONAR 0.5 1 ", b"scan,x_m,y_m,theta_rad,bearing_rad,range_m\n", b"\x1f\x8b\x08\0", b"BZh91AY&SY"] {
             holds(&[start, &bytes].concat(), &Options::default())?;
         }
     }
 
     #[test]
-    fn random_words_are_read_or_refused_in_one_line(words in prop::collection::vec("[0-9]{1,3}|-?[0-9]\\.[0-9]|nan|inf|-inf|FLASER|ROBOTLASER1|RAWLASER1|ODOM|PARAM|\n|4000000000|1e999", 0..120)) {
+    fn random_words_are_read_or_refused_in_one_line(words in prop::collection::vec("[0-9]{1,3}|-?[0-9]\\.[0-9]|nan|inf|-inf|FLASER|ROBOTLASER1|RAWLASER1|SONAR|SONAR 0.5 1|SONAR 1 2 3 0 0 0 9 h 9|ODOM|PARAM|\n|4000000000|1e999", 0..120)) {
         holds(words.join(" ").as_bytes(), &Options { damaged_share: 1.0, ..Options::default() })?;
     }
 

@@ -123,7 +123,12 @@ fn of_kind(py: Python<'_>, kind: Sensor) -> PyResult<Py<PyAny>> {
             Py::new(py, Laser::of(sensor::Laser { max_range_m, ..sensor::Laser::default() }))?.into_any()
         }
         Sensor::Stereo => Py::new(py, Stereo::of(sensor::Stereo::default()))?.into_any(),
-        Sensor::Sonar => Py::new(py, Sonar::of(sensor::Sonar::default()))?.into_any(),
+        Sensor::Sonar { max_range_m, width_rad } => {
+            let usual = sensor::Sonar::default();
+            let max_range_m = max_range_m.unwrap_or(usual.max_range_m);
+            let width_rad = width_rad.unwrap_or(usual.width_rad);
+            Py::new(py, Sonar::of(sensor::Sonar { max_range_m, width_rad, ..usual }))?.into_any()
+        }
     })
 }
 

@@ -6,7 +6,7 @@ use rand::Rng;
 use serde::{Deserialize, Serialize};
 
 use crate::lanes::{Beams, Lanes};
-use crate::{FastKernel, InverseModel, Kernel, Laser, Parameters, Placement};
+use crate::{FastKernel, InverseModel, Kernel, Laser, LaserError, Parameters, Placement};
 
 /// A sonar as a sensor model. A reading is the range of the first echo in m, or `f64::INFINITY` where there was none.
 ///
@@ -51,6 +51,19 @@ impl Sonar {
     fn beam(&self) -> Laser {
         let Self { range_sigma_m, max_range_m, hit, no_echo, early_per_m, .. } = *self;
         Laser { range_sigma_m, max_range_m, hit, no_echo, early_per_m }
+    }
+
+    /// Verifies that every number is one that a sonar can have.
+    ///
+    /// # Errors
+    /// The first that is not, with its bound.
+    pub fn validate(&self) -> Result<(), LaserError> {
+        self.beam().validate()?;
+        let (field, value) = ("width_rad", self.width_rad);
+        let bound = "an angle in rad, above 0 and below pi";
+        let remedy = "give the angle between the edges of the cone, such as 0.52";
+        let is_cone = value > 0.0 && value < std::f64::consts::PI;
+        if is_cone { Ok(()) } else { Err(LaserError { field, value, bound, remedy }) }
     }
 
     /// The reading where the nearest surface in the cone is at `range_m` (m), if there is one: a range within `0 ..= max_range_m`, or
@@ -137,6 +150,22 @@ impl InverseModel for Sonar {
 mod tests {
     use super::*;
     use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng as _};
+
+    #[test]
+    fn every_number_has_bounds() {
+        let usual = Sonar::default();
+        assert_eq!(usual.validate(), Ok(()));
+        for (sonar, start) in [
+            (Sonar { range_sigma_m: 0.0, ..usual }, "range_sigma_m = 0: must be a positive length"),
+            (Sonar { no_echo: 0.3, ..usual }, "no_echo = 0.3: must be such that hit and no_echo add up to at most 1"),
+            (Sonar { width_rad: 0.0, ..usual }, "width_rad = 0: must be an angle in rad, above 0 and below pi"),
+            (Sonar { width_rad: f64::NAN, ..usual }, "width_rad = NaN: must be"),
+            (Sonar { width_rad: 3.2, ..usual }, "width_rad = 3.2: must be"),
+        ] {
+            let message = sonar.validate().expect_err(start).to_string();
+            assert!(message.starts_with(start), "{message}");
+        }
+    }
 
     /// Chi square over bins of readings, and no echo: above its 99.9 % point once in a thousand seeds.
     #[test]

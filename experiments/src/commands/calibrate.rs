@@ -4,16 +4,21 @@ mod advice;
 mod agreement;
 mod calibration;
 mod disparities;
+mod groups;
+mod kind;
 mod log;
 pub mod noise;
 mod options;
 mod outputs;
+mod pixels;
 pub mod search;
 mod views;
 
 pub use options::CalibrateOptions;
 
 use logs::bag::Drive;
+
+use self::calibration::Found;
 
 use crate::failure::Failure;
 use crate::jobs::interruption;
@@ -31,17 +36,19 @@ pub fn run(mut options: CalibrateOptions) -> Result<(), Failure> {
     let purpose = Purpose::new("calibrate", &[&options.file], options.paper.files(&outputs::FILES));
     let staging = options.out.as_deref().map(|folder| Staging::open(folder, &purpose)).transpose()?;
     let disparities = if Drive::is_at(&options.file) { None } else { disparities::load(&options.file)? };
-    let calibration = match disparities {
-        Some(disparities) => disparities::calibrate(&disparities, &options)?,
+    let found = match disparities {
+        Some(disparities) => Found::of(disparities::calibrate(&disparities, &options)?),
         None => match log::calibrate(&mut options)? {
-            Some(calibration) => calibration,
+            Some(found) => found,
             None => return Ok(()),
         },
     };
     let options = &options;
+    let place = options.file.display();
+    found.left_out.iter().for_each(|why| note(format_args!("warning: {place}: {why}")));
     if let (Some(staging), Some(folder)) = (staging, &options.out) {
-        outputs::write(staging, options, &calibration)?;
+        outputs::write(staging, options, &found)?;
         note(folder.join("calibration.csv").display());
     }
-    outputs::table(&calibration).print(options.print.format, || outputs::text(&calibration))
+    outputs::table(&found).print(options.print.format, || outputs::text(&found))
 }

@@ -57,7 +57,8 @@ pub fn run(mut options: ReplayOptions) -> Result<(), Failure> {
     let Some(recording) = Recording::of(&mut options)? else { return Ok(()) };
     let options = &options;
     threads::limit(options.threads.count)?;
-    let survey = Survey::of(&recording, options.reach, &|kind| options.sensor(kind))?;
+    let survey = Survey::of(&recording, options.reach, &|event| options.sensor_of(event))?;
+    kernels::refuse_no_ranges(&options.depth.depth, &recording.place(), &survey.report)?;
     reading::tell_before_mapping(&recording.place(), &survey.report);
     options.tell_idle(&recording.place(), &survey.report, survey.sensor);
     if survey.kept == 0 {
@@ -86,7 +87,7 @@ pub fn run(mut options: ReplayOptions) -> Result<(), Failure> {
         ..Model::new(grid, options.sensor(survey.sensor)?)
     };
     let copies = 1 + FOLDS;
-    let apart = vec![&MAPPERS[0]; if survey.sensors.len() > 1 { survey.sensors.len() } else { 0 }];
+    let apart = vec![&MAPPERS[0]; if survey.arrays.len() > 1 { survey.arrays.len() } else { 0 }];
     let bytes = memory::of_mapping(&setup.grid, &entries, &setup, copies)
         + memory::of_mapping(&setup.grid, &apart, &setup, 2)
         + memory::besides(&setup.grid);
@@ -140,11 +141,11 @@ fn suspects(
     setup: &Model,
     hold_out: u64,
 ) -> Result<Vec<suspects::Suspect>, Failure> {
-    let sensors: Vec<suspects::Named> = survey
-        .sensors
-        .iter()
-        .map(|(number, known)| suspects::Named { number: *number, called: kernels::called(known.kind).to_owned() })
-        .collect();
+    let named = |(first, numbers): (&usize, &Vec<usize>)| {
+        let called = kernels::called(survey.sensors.get(first)?.kind).to_owned();
+        Some(suspects::Named { numbers: numbers.clone(), called })
+    };
+    let sensors: Vec<suspects::Named> = survey.arrays.iter().filter_map(named).collect();
     suspects::suspects(setup, &sensors, hold_out, &mut |each| {
         for scan in recording.scans()? {
             each(&scan.map_err(recording::refused)?);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use clap::Args;
 use logs::{Report, Sensor};
-use sensor::{Laser, SensorModel, Sonar, Stereo};
+use sensor::{Depth, Laser, Omnidirectional, Scan, SensorModel, Sonar, Stereo};
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
@@ -48,26 +48,132 @@ pub struct StereoOptions {
     pub max_disparity: f64,
 }
 
-/// The kernel of a sonar; the shares of its echoes are the usual ones.
-#[derive(Debug, Clone, Copy, Args)]
-pub struct SonarOptions {
-    /// Range beyond which a sonar hears nothing, m
-    #[arg(long, help_heading = "Sonar", value_name = "M", default_value_t = Sonar::default().max_range_m, allow_negative_numbers = true, value_parser = positive)]
-    pub sonar_range: f64,
-    /// Angle between the edges of its cone, degrees
-    #[arg(long, help_heading = "Sonar", value_name = "DEG", default_value_t = 30.0, allow_negative_numbers = true, value_parser = cone)]
-    pub sonar_width: f64,
-}
+impl StereoOptions {
+    /// The camera that they describe.
+    pub fn camera(&self) -> Stereo {
+        let Self { focal_baseline, disparity_sigma, correct_match, max_disparity } = *self;
+        Stereo { focal_baseline, disparity_sigma, correct_match, max_disparity }
+    }
 
-impl SonarOptions {
-    /// The sonar that they describe.
-    pub fn sonar(&self) -> Sonar {
-        Sonar { max_range_m: self.sonar_range, width_rad: self.sonar_width.to_radians(), ..Sonar::default() }
+    /// The same, of one that looks all round.
+    pub fn all_round(&self) -> Omnidirectional {
+        Omnidirectional(self.camera())
     }
 }
 
-fn cone(text: &str) -> Result<f64, String> {
+/// The kernel of a sonar.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct SonarOptions {
+    /// Range from which on a sonar hears nothing, m [default: what the log says, else 5]
+    #[arg(long, help_heading = "Sonar", value_name = "M", allow_negative_numbers = true, value_parser = positive)]
+    pub sonar_range: Option<f64>,
+    /// Angle between the edges of its cone, degrees [default: what the log says, else 30]
+    #[arg(long, help_heading = "Sonar", value_name = "DEG", allow_negative_numbers = true, value_parser = cone)]
+    pub sonar_width: Option<f64>,
+    /// Standard deviation of an echo, m
+    #[arg(long, help_heading = "Sonar", value_name = "M", default_value_t = Sonar::default().range_sigma_m, allow_negative_numbers = true, value_parser = positive)]
+    pub sonar_sigma: f64,
+    /// Probability of an echo from the nearest thing in the cone
+    #[arg(long, help_heading = "Sonar", value_name = "P", default_value_t = Sonar::default().hit, allow_negative_numbers = true, value_parser = probability)]
+    pub sonar_hit: f64,
+    /// Probability of no echo although there is something; what this and --sonar-hit leave of one are false echoes
+    #[arg(long, help_heading = "Sonar", value_name = "P", default_value_t = Sonar::default().no_echo, allow_negative_numbers = true, value_parser = probability)]
+    pub sonar_no_echo: f64,
+    /// Things on no map that stand in a metre of its cone, 1/m
+    #[arg(long, help_heading = "Sonar", value_name = "RATE", default_value_t = Sonar::default().early_per_m, allow_negative_numbers = true, value_parser = probability)]
+    pub sonar_early: f64,
+}
+
+impl Default for SonarOptions {
+    fn default() -> Self {
+        let Sonar { range_sigma_m, hit, no_echo, early_per_m, .. } = Sonar::default();
+        Self {
+            sonar_range: None,
+            sonar_width: None,
+            sonar_sigma: range_sigma_m,
+            sonar_hit: hit,
+            sonar_no_echo: no_echo,
+            sonar_early: early_per_m,
+        }
+    }
+}
+
+impl SonarOptions {
+    /// The sonar that they describe; of what they leave open, as a log has it (m, rad), or as usual.
+    pub fn sonar(&self, max_range_m: Option<f64>, width_rad: Option<f64>) -> Sonar {
+        let usual = Sonar::default();
+        let Self { sonar_range, sonar_width, sonar_sigma, sonar_hit, sonar_no_echo, sonar_early } = *self;
+        Sonar {
+            range_sigma_m: sonar_sigma,
+            max_range_m: sonar_range.or(max_range_m).unwrap_or(usual.max_range_m),
+            hit: sonar_hit,
+            no_echo: sonar_no_echo,
+            early_per_m: sonar_early,
+            width_rad: sonar_width.map(f64::to_radians).or(width_rad).unwrap_or(usual.width_rad),
+        }
+    }
+}
+
+/// The angle of a cone, degrees.
+///
+/// # Errors
+/// One that no sonar has.
+pub fn cone(text: &str) -> Result<f64, String> {
     number(text, "of degrees from 0.1 to 170", |value| (0.1..=170.0).contains(&value))
+}
+
+/// The kernel of depth cameras, whose ranges a log does not tell from a laser's.
+#[derive(Debug, Clone, Args)]
+pub struct DepthOptions {
+    /// Sensors whose ranges are a depth camera's, by their numbers; a log without numbers has number 0
+    #[arg(
+        long,
+        help_heading = "Depth camera",
+        value_name = "N,N",
+        value_delimiter = ',',
+        allow_negative_numbers = true
+    )]
+    pub depth: Vec<usize>,
+    /// Standard deviation of the inverse range, 1/m
+    #[arg(long, help_heading = "Depth camera", value_name = "1/M", default_value_t = Depth::default().inverse_sigma_per_m, allow_negative_numbers = true, value_parser = positive)]
+    pub depth_sigma: f64,
+    /// Probability that a reading is of the first surface
+    #[arg(long, help_heading = "Depth camera", value_name = "P", default_value_t = Depth::default().hit, allow_negative_numbers = true, value_parser = probability)]
+    pub depth_hit: f64,
+    /// Range beyond which it measures nothing, m
+    #[arg(long, help_heading = "Depth camera", value_name = "M", default_value_t = Depth::default().max_range_m, allow_negative_numbers = true, value_parser = positive)]
+    pub depth_range: f64,
+}
+
+impl DepthOptions {
+    /// The camera that they describe.
+    pub fn camera(&self) -> Depth {
+        Depth { inverse_sigma_per_m: self.depth_sigma, max_range_m: self.depth_range, hit: self.depth_hit }
+    }
+}
+
+/// Refuses sensors that were called depth cameras and have no ranges.
+///
+/// # Errors
+/// The first such sensor, and what it is.
+pub fn refuse_no_ranges(depth: &[usize], place: &str, report: &Report) -> Result<(), Failure> {
+    for sensor in depth {
+        let what = match report.sensors.get(sensor).and_then(|found| found.kind) {
+            Some(Sensor::Laser { .. }) => continue,
+            None => "the log has no such sensor".to_owned(),
+            Some(kind) => format!("that sensor is {}", called(kind)),
+        };
+        return Err(Failure::BadInput(format!("{place}: --depth {sensor}: {what}; name one with ranges")));
+    }
+    Ok(())
+}
+
+/// A stereo camera that sees something farther to the side than this, rad, looks all round: no image plane is as wide.
+pub const PLANE_RAD: f64 = 87.5 * std::f64::consts::PI / 180.0;
+
+/// Whether a scan of a stereo camera is of one that looks all round.
+pub fn is_all_round(scan: &Scan) -> bool {
+    scan.bearings_rad.iter().any(|bearing| bearing.abs() > PLANE_RAD)
 }
 
 /// What a kind of sensor is called in messages.
@@ -75,7 +181,7 @@ pub fn called(sensor: Sensor) -> &'static str {
     match sensor {
         Sensor::Laser { .. } => "a laser",
         Sensor::Stereo => "a stereo camera",
-        Sensor::Sonar => "sonars",
+        Sensor::Sonar { .. } => "sonars",
     }
 }
 
@@ -85,7 +191,7 @@ pub fn called(sensor: Sensor) -> &'static str {
 /// Such a log.
 pub fn one_kind(place: &str, report: &Report, what: &str) -> Result<(), Failure> {
     let kinds: BTreeSet<&str> = report.sensors.values().filter_map(|sensor| sensor.kind).map(called).collect();
-    let one = kinds.len() <= 1 && !kinds.contains(called(Sensor::Sonar));
+    let one = kinds.len() <= 1 && !kinds.contains(called(Sensor::Sonar { max_range_m: None, width_rad: None }));
     one.then_some(()).ok_or_else(|| {
         Failure::BadInput(format!(
             "{place}: holds readings of {}, and {what} takes those of lasers or of a stereo camera; leave the columns of the others out, or map \
@@ -95,11 +201,14 @@ pub fn one_kind(place: &str, report: &Report, what: &str) -> Result<(), Failure>
     })
 }
 
+/// What the mappers know of the sensors of a log, kind by kind.
+pub type Kernels = (LaserOptions, StereoOptions, SonarOptions);
+
 /// The model of the sensor that took a log.
 ///
 /// # Errors
-/// A laser that makes no sense.
-pub fn sensor(place: &str, sensor: Sensor, (laser, stereo): (LaserOptions, StereoOptions)) -> Result<Shared, Failure> {
+/// A laser or a sonar that makes no sense.
+pub fn sensor(place: &str, sensor: Sensor, (laser, stereo, sonar): Kernels) -> Result<Shared, Failure> {
     match sensor {
         Sensor::Laser { max_range_m, .. } => {
             let LaserOptions { range_sigma, hit, no_echo, early } = laser;
@@ -107,16 +216,17 @@ pub fn sensor(place: &str, sensor: Sensor, (laser, stereo): (LaserOptions, Stere
             laser.validate().map_err(|error| Failure::BadInput(format!("{place}: {error}")))?;
             Ok(Arc::new(laser))
         }
-        Sensor::Stereo => {
-            let StereoOptions { focal_baseline, disparity_sigma, correct_match, max_disparity } = stereo;
-            Ok(Arc::new(Stereo { focal_baseline, disparity_sigma, correct_match, max_disparity }))
+        Sensor::Stereo => Ok(Arc::new(stereo.camera())),
+        Sensor::Sonar { max_range_m, width_rad } => {
+            let sonar = sonar.sonar(max_range_m, width_rad);
+            sonar.validate().map_err(|error| Failure::BadInput(format!("{place}: sonars: {error}")))?;
+            Ok(Arc::new(sonar))
         }
-        Sensor::Sonar => Ok(Arc::new(Sonar::default())),
     }
 }
 
 /// What the options say of a log's sensor, for the record.
-pub fn record(kind: Sensor, laser: LaserOptions, stereo: StereoOptions, sonar: Sonar) -> Value {
+pub fn record(kind: Sensor, (laser, stereo, sonar): Kernels) -> Value {
     let LaserOptions { range_sigma, hit, no_echo, early } = laser;
     let StereoOptions { focal_baseline, disparity_sigma, correct_match, max_disparity } = stereo;
     match kind {
@@ -127,6 +237,6 @@ pub fn record(kind: Sensor, laser: LaserOptions, stereo: StereoOptions, sonar: S
             "focal_baseline": focal_baseline, "disparity_sigma": disparity_sigma, "correct_match": correct_match,
             "max_disparity": max_disparity,
         }),
-        Sensor::Sonar => json!(sonar),
+        Sensor::Sonar { max_range_m, width_rad } => json!(sonar.sonar(max_range_m, width_rad)),
     }
 }

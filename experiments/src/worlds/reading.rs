@@ -74,9 +74,10 @@ pub(crate) fn tell_after_mapping(place: &str, report: &Report, fails: bool) {
     all.iter().filter(|finding| waits(finding)).for_each(|finding| say(place, report, finding, fails));
 }
 
-/// Options of `replay` and `calibrate` that are of lasers alone, and of stereo cameras alone.
+/// Options of `replay` and `calibrate` that are of lasers alone, of sonars alone, and of stereo cameras alone.
 const OF_LASERS: [&str; 8] =
     ["range_sigma", "hit", "no_echo", "early", "max_range", "fov", "first_bearing", "increment"];
+const OF_SONARS: [&str; 6] = ["sonar_range", "sonar_width", "sonar_sigma", "sonar_hit", "sonar_no_echo", "sonar_early"];
 const OF_CAMERAS: [&str; 4] = ["focal_baseline", "disparity_sigma", "correct_match", "max_disparity"];
 
 /// Where the beams of a laser go, which a table says for each.
@@ -89,10 +90,10 @@ pub(crate) fn tell_idle(given: &Given, place: &str, report: &Report, sensor: Sen
         return; // each option is of one of the sensors
     }
     match sensor {
-        Sensor::Stereo => given.warn(&OF_LASERS, place, "a log of a stereo camera"),
-        Sensor::Sonar => given.warn(&[&OF_LASERS[..], &OF_CAMERAS].concat(), place, "a log of sonars"),
+        Sensor::Stereo => given.warn(&[&OF_LASERS[..], &OF_SONARS].concat(), place, "a log of a stereo camera"),
+        Sensor::Sonar { .. } => given.warn(&[&OF_LASERS[..], &OF_CAMERAS].concat(), place, "a log of sonars"),
         Sensor::Laser { .. } => {
-            given.warn(&OF_CAMERAS, place, "a log of a laser");
+            given.warn(&[&OF_CAMERAS[..], &OF_SONARS].concat(), place, "a log of a laser");
             if report.unit == Unit::Message {
                 given.warn(&OF_FANS, place, "a bag, whose scans say where their beams go");
             } else if report.sensors.values().all(|sensor| sensor.name.is_empty()) {

@@ -54,8 +54,12 @@ pub fn suspects(
 /// # Errors
 /// None of its own.
 pub fn of_drive(setup: &Model, scene: &Scene, simulation: &Simulation) -> Result<Vec<Suspect>, Failure> {
-    let camera = (scene.camera.columns > 0).then(|| Named { number: 0, called: "camera".to_owned() });
-    let beside = scene.sensors.iter().zip(1..).map(|(sensor, number)| Named { number, called: sensor.name.clone() });
+    let camera = (scene.camera.columns > 0).then(|| Named { numbers: vec![0], called: "camera".to_owned() });
+    let beside = scene
+        .sensors
+        .iter()
+        .zip(1..)
+        .map(|(sensor, number)| Named { numbers: vec![number], called: sensor.name.clone() });
     let sensors: Vec<Named> = camera.into_iter().chain(beside).collect();
     suspects(setup, &sensors, OF_DRIVE, &mut |each| {
         simulation.scans.iter().flat_map(SimulatedScan::together).for_each(|scan| each(&scan));
@@ -73,7 +77,7 @@ pub fn named(suspects: &[Suspect]) -> Vec<(&Named, Wrong)> {
 
 /// A line for each sensor that is named, for a warning.
 pub fn lines(suspects: &[Suspect]) -> Vec<String> {
-    let line = |(sensor, wrong): (&Named, Wrong)| format!("sensor {} ({}) {wrong}", sensor.number, sensor.called);
+    let line = |(sensor, wrong): (&Named, Wrong)| format!("sensor {} ({}) {wrong}", sensor.number(), sensor.called);
     named(suspects).into_iter().map(line).collect()
 }
 
@@ -89,7 +93,7 @@ pub fn table(suspects: &[Suspect]) -> Table {
     Table::of(
         suspects,
         &[
-            ("sensor", &|row| json!(row.sensor.number)),
+            ("sensor", &|row| json!(row.sensor.number())),
             ("kind", &|row| json!(row.sensor.called)),
             ("readings", &|row| json!(row.readings)),
             ("correct_match", &|row| rounded(row.correct)),

@@ -166,19 +166,16 @@ impl Scans {
         }
         let unit = match kind {
             Sensor::Laser { .. } => check_unit(&mut raw),
-            Sensor::Stereo | Sensor::Sonar => check_scale(&mut raw, self.options.max_disparity_px),
+            Sensor::Stereo | Sensor::Sonar { .. } => check_scale(&mut raw, self.options.max_disparity_px),
         };
         Recorded {
             scan: Scan { sensor: index, time_s, pose: pose.unwrap_or_default(), bearings_rad, readings },
-            sensor: index,
-            kind,
             mount: sensor.mount.pose,
             odometry: pose.filter(|_| sensor.way.is_some()),
             placed: pose.is_some() && sensor.way.is_some(),
             gap,
-            line: self.number,
             unit: unit.map_err(|reason| format!("{}: {reason}", sensor.topic)),
-            number: None,
+            ..Recorded::of(index, kind, self.number)
         }
     }
 }

@@ -1,4 +1,4 @@
-//! `PARAM` lines: what a log says of its lasers.
+//! `PARAM` lines: what a log says of its lasers, and how far its sonars hear.
 
 use std::collections::BTreeMap;
 
@@ -35,7 +35,11 @@ impl Laser {
 #[derive(Debug, Default)]
 pub(super) struct Parameters {
     lasers: BTreeMap<u8, Laser>,
+    max_sonar_m: Option<f64>,
 }
+
+/// The range at which sonars hear nothing, in the names of CARMEN's simulator and bases.
+const MAX_SONAR: &str = "robot_max_sonar";
 
 /// Names of the lasers in names of parameters.
 const LASERS: [(&str, u8); 13] = [
@@ -62,9 +66,18 @@ impl Parameters {
         self.lasers.get(&laser).copied().unwrap_or_default()
     }
 
+    /// The range from which on sonars hear nothing, m.
+    pub(super) fn max_sonar_m(&self) -> Option<f64> {
+        self.max_sonar_m
+    }
+
     /// Takes the fields behind `PARAM`.
     pub(super) fn take(&mut self, fields: &mut Fields<'_>) -> Result<(), String> {
         let name = String::from_utf8_lossy(fields.raw("name")?).into_owned();
+        if name == MAX_SONAR {
+            self.max_sonar_m = Some(positive(fields.number(&name, FAR_M)?, &name, "m")?);
+            return Ok(());
+        }
         let Some((number, what)) = split(&name) else { return Ok(()) };
         let mut laser = self.laser(number);
         match what {
@@ -120,6 +133,7 @@ mod tests {
             "robot_rearlaser_angular_offset 3.1",
             "laser_laser3_start_angle -120",
             "robot_length 0.5",
+            "robot_max_sonar 4.5",
             "robot_front_laser_port /dev/tty",
             "laser_front_laser_type LMS",
         ] {
@@ -131,6 +145,7 @@ mod tests {
         assert_eq!((rear.fan.fov_rad, rear.fan.step_rad), (Some(180f64.to_radians()), Some(0.017453)));
         assert_eq!(rear.mount(2), Pose { theta_rad: 3.1, ..Pose::default() });
         assert_eq!(third.fan.first_rad, Some(-120f64.to_radians()));
+        assert_eq!(parameters.max_sonar_m(), Some(4.5));
         assert!(front.is_mounted() && rear.is_mounted() && !third.is_mounted());
     }
 }

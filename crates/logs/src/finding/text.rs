@@ -127,7 +127,10 @@ impl Finding {
                 write!(f, "{scans} scans are left out: there is no pose before and after them from {poses}")
             }
             Self::Unplaced { scans, poses: None } => {
-                write!(f, "{scans} scans of raw lasers are left out: there is no ODOM before and after them")
+                write!(
+                    f,
+                    "{scans} scans of raw lasers or sonars are left out: no message gives the robot's pose before and after them"
+                )
             }
             Self::ZeroDisparities { count, beams } => {
                 write!(
@@ -161,6 +164,25 @@ impl Finding {
             Self::GuessedMount { sensor, taken } => {
                 write!(f, "no PARAM line says where {sensor} stands on the robot; it is taken to be {taken}")
             }
+            Self::GuessedSonarRange { line, taken_m } => write!(
+                f,
+                "line {line}: no PARAM robot_max_sonar says how far SONAR hears; readings from {taken_m} m on are taken for no echo: if that is \
+                 wrong, give --sonar-range"
+            ),
+            Self::SonarMaximum { range_m, count } => write!(
+                f,
+                "{count} readings of sonars are exactly {range_m} m, and none is longer: that is rather their maximum, which is no echo, than a \
+                 wall; give --sonar-range {range_m}"
+            ),
+            Self::SonarsAlike { line, count } => write!(
+                f,
+                "line {line}: all {count} sonars of SONAR stand at one place and look the same way: did the base leave out where they stand?"
+            ),
+            Self::WithoutMounts { lines, line } => write!(
+                f,
+                "line {line}: {lines} SONAR lines have poses and do not say where the sonars stand on the robot: they are skipped; CARMEN writes \
+                 SONAR cone_angle n, n ranges, n mounts (x y theta), times and host"
+            ),
             Self::TrajectoryUnit { unit } => write!(f, "times of the trajectory are taken for {unit}"),
             Self::TrajectorySorted { steps_back } => {
                 write!(f, "the poses of the trajectory were sorted by time, which went back {steps_back} times")

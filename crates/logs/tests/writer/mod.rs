@@ -5,7 +5,7 @@ use std::io::Write;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
-use sensor::Scan;
+use sensor::{Pose, Scan};
 
 /// A beam without an echo as SICK's scanners write it.
 const NO_ECHO: &str = "81.91";
@@ -47,4 +47,22 @@ pub(crate) fn gzip(text: &[u8]) -> Vec<u8> {
     let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
     encoder.write_all(text).expect("memory");
     encoder.finish().expect("memory")
+}
+
+/// A `SONAR` line: of a cone (rad), ranges (m) and mounts at a time (s).
+pub(crate) fn sonar(width_rad: f64, readings: &[(Option<f64>, Pose)], time_s: f64) -> String {
+    let range = |(reading, _): &(Option<f64>, Pose)| match reading {
+        Some(f64::INFINITY) => "5.00".to_owned(),
+        Some(range) => range.to_string(),
+        None => "0.00".to_owned(),
+    };
+    let mount = |(_, mount): &(Option<f64>, Pose)| format!("{} {} {}", mount.x_m, mount.y_m, mount.theta_rad);
+    let ranges: Vec<String> = readings.iter().map(range).collect();
+    let mounts: Vec<String> = readings.iter().map(mount).collect();
+    format!("SONAR {width_rad} {} {} {} {time_s} robot {time_s}\n", readings.len(), ranges.join(" "), mounts.join(" "))
+}
+
+/// An `ODOM` line.
+pub(crate) fn odom(robot: Pose, time_s: f64) -> String {
+    format!("ODOM {} {} {} 0.3 0.1 0 {time_s} robot {time_s}\n", robot.x_m, robot.y_m, robot.theta_rad)
 }

@@ -169,6 +169,7 @@ pub(super) fn calibrate(table: &Table, options: &CalibrateOptions) -> Result<Cal
         notes.push("most disparities are whole pixels: sigma holds their rounding (0.29 px) too".to_owned());
     }
     Ok(Calibration {
+        sensor: None,
         about,
         measure: "density of a disparity given its truth, per px",
         readings: used.len() as u64,
@@ -186,7 +187,7 @@ fn advice(fit: &Fit, most: f64) -> Option<Advice> {
     let keys: String = fit.found.iter().filter(known).map(key).collect();
     (!keys.is_empty()).then(|| Advice {
         to: "To use it, at the top of a scene file, in the place of its [sensor]:",
-        line: format!("sensor = {{ {keys}max_disparity = {most} }}"),
+        lines: vec![format!("sensor = {{ {keys}max_disparity = {most} }}")],
     })
 }
 

@@ -3,22 +3,21 @@
 use std::sync::Arc;
 
 use grid::GridSpec;
-use logs::{Log, Sensor};
 use mapper::{Belief, FastVisibility, Model, Predictive, Prior};
 use rayon::prelude::*;
-use sensor::{Laser, Scan, SensorModel, Stereo};
+use sensor::{Scan, SensorModel, Stereo};
 
-use super::calibration::Calibration;
-use super::noise::{self, Instrument, Noise};
+use super::calibration::{Calibration, Found as Run};
+use super::groups::{self, Group, thinned};
+use super::kind::Kind;
+use super::noise::{self, Noise, Surfaces};
 use super::options::CalibrateOptions;
 use super::outputs;
-use super::search::{self, Fit, Found, Losses, Parameter, Scale};
-use super::{advice, agreement, views};
+use super::search::{self, Fit, Found, Losses, Parameter};
+use super::{advice, agreement, pixels, views};
 use crate::failure::Failure;
 use crate::jobs::progress::Count;
-use crate::worlds::agreement::Spread;
 use crate::worlds::source::{Asked, Source};
-use crate::worlds::{kernels, reading};
 
 /// What lies around the outermost poses and usual readings, m.
 const MARGIN_M: f64 = 0.5;
@@ -32,57 +31,88 @@ const ROUGH: u32 = 4;
 /// More cells than this take too long, and too much memory, for the hundreds of maps that a fit makes.
 const MOST_CELLS: usize = 20_000_000;
 
-/// Fits the kernel of whatever took the log.
+/// Fits the kernel of whatever took the log, of several kinds of sensors that of each.
 ///
 /// What a bag tells of its camera goes into the options. None where the topics of a bag were to be listed.
-pub(super) fn calibrate(options: &mut CalibrateOptions) -> Result<Option<Calibration>, Failure> {
+pub(super) fn calibrate(options: &mut CalibrateOptions) -> Result<Option<Run>, Failure> {
     let Some(source) = source(options)? else { return Ok(None) };
     let options = &*options;
-    let (whole, sensor) = read(options, &source)?;
-    let scans: Vec<Scan> = whole.iter().map(|scan| thinned(scan, options.beams as usize)).collect();
-    let grid = cover(&scans, &*points(sensor, options), options)?;
-    let readings = scans.iter().flat_map(|scan| scan.readings.iter().flatten()).count() as u64;
-    let (parameters, kind) = match sensor {
-        Sensor::Laser { max_range_m, .. } => (laser(), format!("a laser up to {max_range_m} m")),
-        Sensor::Stereo | Sensor::Sonar => (stereo(), "a stereo camera".to_owned()),
+    let (groups, left_out) = groups::read(options, &source)?;
+    let (mut all, mut words) = (Vec::new(), Vec::new());
+    for group in groups {
+        let (calibration, kind) = fitted(group, options)?;
+        let own = advice::options(&kind, options, source.is_bag(), &calibration.fit);
+        all.push(Calibration { advice: advice::scene(&kind, &calibration.fit), ..calibration });
+        words.extend(own);
+    }
+    Ok(Some(Run { all, left_out, advice: advice::replay(&words, options) }))
+}
+
+/// Fits a group.
+fn fitted(group: Group, options: &CalibrateOptions) -> Result<(Calibration, Kind), Failure> {
+    let Group { sensor, kind, scans: whole, runs } = group;
+    let all_thinned = |beams: u32| -> Vec<Vec<Scan>> {
+        let of = |scans: &Vec<Scan>| scans.iter().map(|scan| thinned(scan, beams as usize)).collect();
+        whole.iter().map(of).collect()
     };
-    let noise = noise::of(&scans, instrument(sensor, options), parameters[0].start);
+    let scans = all_thinned(options.beams);
+    let flat: Vec<Scan> = scans.iter().flatten().cloned().collect();
+    let grid = cover(&flat, &*kind.usual(), options)?;
+    let readings = flat.iter().flat_map(|scan| scan.readings.iter().flatten()).count() as u64;
+    let parameters = kind.parameters();
+    let noise = kind.instrument().and_then(|instrument| noise::of(&flat, instrument, parameters[0].start));
     let known = noise.as_ref().map(|noise| noise.sigma);
     let sought = if known.is_some() { &parameters[1..] } else { &parameters[..] };
-    let rough: Vec<Scan> = scans.iter().map(|scan| thinned(scan, options.beams.div_ceil(ROUGH) as usize)).collect();
-    let losses = |scans: &[Scan], values: &[f64]| -> Losses {
+    let rough = all_thinned(options.beams.div_ceil(ROUGH));
+    let losses = |scans: &[Vec<Scan>], values: &[f64]| -> Losses {
         let values: Vec<f64> = known.into_iter().chain(values.iter().copied()).collect();
-        let (model, prior) = setting(sensor, options, &values)?;
+        let (model, prior) = kind.setting(&values)?;
         Some(predicted(scans, grid, model, prior))
     };
-    tell_agreement(&whole, grid, sensor, options);
-    drop(whole);
+    if kind.instrument().is_some() {
+        tell_agreement(&whole, grid, &kind, options);
+    }
     let progress = Count::settings();
-    let fit = search::fit(sought, Some(&|values| losses(&rough, values)), &|values| losses(&scans, values), &|| {
-        progress.step()
-    });
+    let of_rough = |values: &[f64]| losses(&rough, values);
+    let rough: Option<&search::Loss> = if rough == scans { None } else { Some(&of_rough) };
+    let fit = search::fit(sought, rough, &|values| losses(&scans, values), &|| progress.step());
     progress.finish();
     let mut fit = fit.ok_or_else(|| Failure::internal("no setting could be tried"))?;
     if let Some(noise) = &noise {
         fit.found.insert(0, found(&parameters[0], noise));
     }
-    let sigma = fit.found[0].value;
-    let surfaces = noise::Surfaces::of(&scans, instrument(sensor, options), sigma);
-    let (lengths, of_views) = views::of(&runs(options, &source)?, &surfaces, sigma);
-    let mut notes = notes(&fit, noise.as_ref(), options.grid);
-    notes.push(of_views);
-    fit.found.extend(lengths);
-    let about = format!("{} scans of {kind} in {}, {} readings", scans.len(), outputs::name(&options.file), readings);
-    let advice = advice::replay(sensor, options, source.is_bag(), &fit);
-    Ok(Some(Calibration {
+    let mut notes = notes(&fit, noise.as_ref(), &kind, options.grid);
+    if let Some(instrument) = kind.instrument() {
+        let sigma = fit.found[0].value;
+        let surfaces = Surfaces::of(&flat, instrument, sigma);
+        if kind.has_pixels() {
+            let has_angle = matches!(kind, Kind::Depth(_));
+            let (of_pixels, why) = pixels::of(&flat, &surfaces, kind.max_range_m(), has_angle);
+            notes.push(why);
+            fit.found.extend(of_pixels);
+        }
+        let (lengths, of_views) = views::of(&runs, &surfaces, sigma);
+        notes.push(of_views);
+        fit.found.extend(lengths);
+    }
+    let which = sensor.map_or_else(String::new, |number| format!("sensor {number}, "));
+    let about = format!(
+        "{which}{} scans of {} in {}, {readings} readings",
+        scans.len(),
+        kind.called(),
+        outputs::name(&options.file)
+    );
+    let calibration = Calibration {
+        sensor,
         about,
         measure: "probability of every second scan by the map that visibility makes of the others",
         readings,
         picture: None,
         notes,
-        advice,
+        advice: None,
         fit,
-    }))
+    };
+    Ok((calibration, kind))
 }
 
 /// The log, opened once; what a bag tells of its camera is taken.
@@ -104,91 +134,6 @@ fn source(options: &mut CalibrateOptions) -> Result<Option<Source>, Failure> {
         options.max_disparity = Some(most);
     }
     Ok(Some(source))
-}
-
-fn refused(error: logs::LogError) -> Failure {
-    Failure::BadInput(error.to_string())
-}
-
-/// The log from its first scan on.
-fn opened(options: &CalibrateOptions, source: &Source) -> Result<Log<'static>, Failure> {
-    let reading = logs::Options {
-        max_range_m: options.max_range,
-        max_disparity_px: Some(options.max_disparity.unwrap_or(Stereo::default().max_disparity)),
-        fan: options.fan.fan(),
-        ..logs::Options::default()
-    };
-    source.log(&reading)
-}
-
-/// Runs of scans that follow each other, spread evenly over the log: all of it, where it is short.
-fn runs(options: &CalibrateOptions, source: &Source) -> Result<Vec<Vec<Scan>>, Failure> {
-    let mut all = 0;
-    for scan in opened(options, source)? {
-        scan.map_err(refused)?;
-        all += 1;
-    }
-    let count = (all / views::RUN).clamp(1, views::RUNS);
-    let mut runs = vec![Vec::new(); count];
-    for (number, scan) in opened(options, source)?.enumerate() {
-        let run = (number * count / all).min(count - 1);
-        // The first of those that fall to it.
-        if number - (run * all).div_ceil(count) < views::RUN {
-            runs[run].push(thinned(&scan.map_err(refused)?, options.beams as usize));
-        }
-    }
-    Ok(runs)
-}
-
-/// The scans that are fitted, with all of their beams, and what took them.
-fn read(options: &CalibrateOptions, source: &Source) -> Result<(Vec<Scan>, Sensor), Failure> {
-    let mut all = 0;
-    for scan in opened(options, source)? {
-        scan.map_err(refused)?;
-        all += 1;
-    }
-    let most = u64::from(options.scans).min(all);
-    // The last of every so many, also where that is no whole number.
-    let takes = |number: u64| (number + 1) * most / all > number * most / all;
-    let mut log = opened(options, source)?;
-    let mut scans = Vec::new();
-    for (number, scan) in (0u64..).zip(&mut log) {
-        let scan = scan.map_err(refused)?;
-        if takes(number) {
-            // Of one kind they are, so that one kernel is fitted to all.
-            scans.push(Scan { sensor: 0, ..scan });
-        }
-    }
-    let place = options.file.display().to_string();
-    kernels::one_kind(&place, log.report(), "`calibrate`")?;
-    reading::tell(&place, log.report());
-    reading::tell_idle(&options.given, &place, log.report(), log.sensor());
-    options.given.warn(&["consistent"], &place, "a log, which says nothing of left and right");
-    if scans.len() < 20 {
-        let what =
-            format!("{} scans are too few to predict some from the others; give a log of 20 or more", scans.len());
-        return Err(Failure::BadInput(format!("{}: {what}", options.file.display())));
-    }
-    Ok((scans, log.sensor()))
-}
-
-/// A scan with so many beams at most.
-fn thinned(scan: &Scan, beams: usize) -> Scan {
-    let every = scan.readings.len().div_ceil(beams).max(1);
-    Scan {
-        bearings_rad: scan.bearings_rad.iter().copied().step_by(every).collect(),
-        readings: scan.readings.iter().copied().step_by(every).collect(),
-        ..scan.clone()
-    }
-}
-
-fn points(sensor: Sensor, options: &CalibrateOptions) -> Arc<dyn SensorModel> {
-    match sensor {
-        Sensor::Laser { .. } => Arc::new(Laser::default()),
-        Sensor::Stereo | Sensor::Sonar => {
-            Arc::new(Stereo { focal_baseline: options.focal_baseline, ..Stereo::default() })
-        }
-    }
 }
 
 fn cover(scans: &[Scan], sensor: &dyn SensorModel, options: &CalibrateOptions) -> Result<GridSpec, Failure> {
@@ -217,87 +162,23 @@ fn cover(scans: &[Scan], sensor: &dyn SensorModel, options: &CalibrateOptions) -
     Ok(grid)
 }
 
-fn parameter(name: &'static str, unit: &'static str, range: [f64; 2], start: f64, scale: Scale) -> Parameter {
-    Parameter { name, unit, range, start, scale }
-}
-
-fn belief() -> [Parameter; 2] {
-    let Prior { occupancy, correlation, .. } = Prior::default();
-    [
-        parameter("prior", "1", [0.002, 0.6], occupancy, Scale::Odds),
-        parameter("correlation", "1", [0.02, 0.99], correlation, Scale::Odds),
-    ]
-}
-
-fn laser() -> Vec<Parameter> {
-    let Laser { range_sigma_m, hit, no_echo, early_per_m, .. } = Laser::default();
-    let kernel = [
-        parameter("range_sigma", "m", [0.002, 0.5], range_sigma_m, Scale::Ratio),
-        parameter("hit", "1", [0.2, 0.9995], hit, Scale::Odds),
-        parameter("no_echo", "1", [1e-5, 0.5], no_echo, Scale::Odds),
-        parameter("early", "1/m", [1e-5, 0.5], early_per_m, Scale::Ratio),
-    ];
-    kernel.into_iter().chain(belief()).collect()
-}
-
-fn stereo() -> Vec<Parameter> {
-    let Stereo { disparity_sigma, correct_match, .. } = Stereo::default();
-    let kernel = [
-        parameter("disparity_sigma", "px", [0.02, 5.0], disparity_sigma, Scale::Ratio),
-        parameter("correct_match", "1", [0.05, 0.999], correct_match, Scale::Odds),
-    ];
-    kernel.into_iter().chain(belief()).collect()
-}
-
-/// The sensor and the prior of these values; none where shares add up to more than one.
-fn setting(sensor: Sensor, options: &CalibrateOptions, values: &[f64]) -> Option<(Arc<dyn SensorModel>, Prior)> {
-    let prior = |at: usize| Prior { occupancy: values[at], correlation: values[at + 1], ..Prior::default() };
-    match sensor {
-        Sensor::Laser { max_range_m, .. } => {
-            let [range_sigma_m, hit, no_echo, early_per_m] = [values[0], values[1], values[2], values[3]];
-            let laser = Laser { range_sigma_m, max_range_m, hit, no_echo, early_per_m };
-            // Some outliers there always are: without any, one of them makes a log impossible.
-            (laser.outlier() >= 1e-4 && laser.validate().is_ok()).then(|| (Arc::new(laser) as _, prior(4)))
-        }
-        Sensor::Stereo | Sensor::Sonar => {
-            let max_disparity = options.max_disparity.unwrap_or(Stereo::default().max_disparity);
-            let stereo = Stereo {
-                focal_baseline: options.focal_baseline,
-                disparity_sigma: values[0],
-                correct_match: values[1],
-                max_disparity,
-            };
-            Some((Arc::new(stereo), prior(2)))
-        }
-    }
-}
-
 /// Says how far the scans agree with a map of each other, by the usual kernel: a fitted one would excuse what is wrong.
-fn tell_agreement(scans: &[Scan], grid: GridSpec, sensor: Sensor, options: &CalibrateOptions) {
-    let model: Arc<dyn SensorModel> = match sensor {
-        Sensor::Laser { max_range_m, .. } => Arc::new(Laser { max_range_m, ..Laser::default() }),
-        Sensor::Stereo | Sensor::Sonar => {
-            let max_disparity = options.max_disparity.unwrap_or(Stereo::default().max_disparity);
-            Arc::new(Stereo { focal_baseline: options.focal_baseline, max_disparity, ..Stereo::default() })
-        }
-    };
-    let spread = match sensor {
-        Sensor::Laser { .. } => Spread::Range(Laser::default().range_sigma_m),
-        Sensor::Stereo | Sensor::Sonar => Spread::Disparity(Stereo::default().disparity_sigma),
-    };
-    agreement::tell(&options.file.display().to_string(), scans, grid, model, Prior::default(), spread);
+fn tell_agreement(scans: &[Vec<Scan>], grid: GridSpec, kind: &Kind, options: &CalibrateOptions) {
+    let scans: Vec<Scan> = scans.iter().flatten().cloned().collect();
+    let place = options.file.display().to_string();
+    agreement::tell(&place, &scans, grid, kind.usual(), Prior::default(), kind.spread());
 }
 
 /// `-ln P` of every second scan by the map of the others, and its number of readings.
-fn predicted(scans: &[Scan], grid: GridSpec, sensor: Arc<dyn SensorModel>, prior: Prior) -> Vec<(f64, u64)> {
+fn predicted(scans: &[Vec<Scan>], grid: GridSpec, sensor: Arc<dyn SensorModel>, prior: Prior) -> Vec<(f64, u64)> {
     let setup = Model { prior, ..Model::new(grid, Arc::clone(&sensor)) };
     let mut map = FastVisibility::visibility(&setup);
-    scans.iter().step_by(2).for_each(|scan| map.integrate_on(scan, 1));
+    scans.iter().step_by(2).for_each(|scans| map.integrate_together_on(scans, 1));
     let pairs = map.pairs();
-    let loss = |scan: &Scan| {
+    let loss = |scans: &Vec<Scan>| {
         let mut predictive = Predictive::new(grid, &*sensor, prior.onset(grid.cell_m));
         let (mut sum, mut readings) = (0.0, 0);
-        for ray in scan.rays() {
+        for ray in scans.iter().flat_map(Scan::rays) {
             if predictive.take(&ray) {
                 sum += predictive.log_loss(Belief::Chain(&pairs));
                 readings += 1;
@@ -308,7 +189,7 @@ fn predicted(scans: &[Scan], grid: GridSpec, sensor: Arc<dyn SensorModel>, prior
     scans.par_iter().skip(1).step_by(2).map(loss).collect()
 }
 
-fn notes(fit: &Fit, noise: Option<&Noise>, cell_m: f64) -> Vec<String> {
+fn notes(fit: &Fit, noise: Option<&Noise>, kind: &Kind, cell_m: f64) -> Vec<String> {
     let mut notes = Vec::new();
     let value = |name: &str| fit.found.iter().find(|found| found.parameter.name == name).map(|found| found.value);
     if let (Some(prior), Some(correlation)) = (value("prior"), value("correlation")) {
@@ -316,14 +197,18 @@ fn notes(fit: &Fit, noise: Option<&Noise>, cell_m: f64) -> Vec<String> {
         let length_m = -Prior::REFERENCE_M / ((1.0 - prior) * libm::log(correlation));
         notes.push(format!("the prior and the correlation are those of obstacles {length_m:.2} m long on average, as the sensor sees them"));
     }
+    let sigma = fit.found[0].parameter.name;
     match noise {
         Some(noise) => notes.push(format!(
-            "{} is that of {} readings about straight pieces of surface, fitted to the other half of the scans; the rest is by maps with it",
-            fit.found[0].parameter.name, noise.readings
+            "{sigma} is that of {} readings about straight pieces of surface, fitted to the other half of the scans; the rest is by maps with it",
+            noise.readings
+        )),
+        None if matches!(kind, Kind::Sonar(_)) => notes.push(format!(
+            "an echo does not tell where in its cone it comes from: {sigma} is by maps, which know a surface to a cell of {cell_m} m, and holds \
+             that too; range and cone are taken as told"
         )),
         None => notes.push(format!(
-            "too few readings lie on straight surfaces: {} is by maps, which know a surface to a cell of {cell_m} m, and is too small by up to a third of the square of a cell",
-            fit.found[0].parameter.name
+            "too few readings lie on straight surfaces: {sigma} is by maps, which know a surface to a cell of {cell_m} m, and is too small by up to a third of the square of a cell"
         )),
     }
     notes
@@ -337,14 +222,5 @@ fn found(parameter: &Parameter, noise: &Noise) -> Found {
         interval: noise.interval,
         unidentified: None,
         profile: noise.profile.clone(),
-    }
-}
-
-fn instrument(sensor: Sensor, options: &CalibrateOptions) -> Instrument {
-    match sensor {
-        Sensor::Laser { .. } => Instrument::Laser,
-        Sensor::Stereo | Sensor::Sonar => {
-            Instrument::Stereo(Stereo { focal_baseline: options.focal_baseline, ..Stereo::default() })
-        }
     }
 }

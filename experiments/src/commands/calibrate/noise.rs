@@ -46,6 +46,9 @@ const PREDICTED_M: f64 = 0.3;
 /// A ray that meets a piece at a smaller sine than this is not predicted: the piece's error is multiplied by its inverse.
 const SLANT: f64 = 0.35;
 
+/// A ray that meets a piece at a smaller sine than this runs along it.
+const GRAZING: f64 = 0.02;
+
 /// What a reading says of a range.
 #[derive(Debug, Clone, Copy)]
 pub enum Instrument {
@@ -53,29 +56,38 @@ pub enum Instrument {
     Laser,
     /// A reading is a disparity, px.
     Stereo(Stereo),
+    /// The same, of a camera that looks all round: of the range, whatever the bearing.
+    Omnidirectional(Stereo),
+    /// A reading is a range, m, whose inverse has the same noise at any range; sigma is of that, 1/m.
+    Depth,
 }
 
 impl Instrument {
-    /// Range of a reading, m, and how much a reading changes with it.
+    /// A reading as that whose noise is the same at any range: of a depth camera its inverse.
+    pub(super) fn value(&self, reading: f64) -> f64 {
+        if matches!(self, Self::Depth) { 1.0 / reading } else { reading }
+    }
+
+    /// Range of a reading, m, and how much its value changes with it.
     fn range(&self, ray: &Ray) -> Option<(f64, f64)> {
         let reading = ray.reading.filter(|reading| reading.is_finite() && *reading > 0.0)?;
+        let of_disparity = |range_m: f64| range_m.is_finite().then(|| (range_m, reading / range_m));
         match self {
             Self::Laser => Some((reading, 1.0)),
-            Self::Stereo(stereo) => {
-                let range_m = stereo.range(reading, ray.bearing_rad);
-                range_m.is_finite().then(|| (range_m, reading / range_m))
-            }
+            Self::Stereo(stereo) => of_disparity(stereo.range(reading, ray.bearing_rad)),
+            Self::Omnidirectional(stereo) => of_disparity(stereo.range(reading, 0.0)),
+            Self::Depth => Some((reading, 1.0 / (reading * reading))),
         }
     }
 
-    /// Reading of a range, and how much it changes with it.
+    /// Value of the reading of a range, and how much it changes with it.
     fn reading(&self, range_m: f64, bearing_rad: f64) -> (f64, f64) {
+        let of_disparity = |disparity: f64| (disparity, disparity / range_m);
         match self {
             Self::Laser => (range_m, 1.0),
-            Self::Stereo(stereo) => {
-                let disparity = stereo.disparity(range_m, bearing_rad);
-                (disparity, disparity / range_m)
-            }
+            Self::Stereo(stereo) => of_disparity(stereo.disparity(range_m, bearing_rad)),
+            Self::Omnidirectional(stereo) => of_disparity(stereo.disparity(range_m, 0.0)),
+            Self::Depth => (1.0 / range_m, 1.0 / (range_m * range_m)),
         }
     }
 }
@@ -134,9 +146,21 @@ impl Surfaces {
         Self { pieces: piece::pieces(&points(scans.iter(), instrument, sigma)), instrument, sigma }
     }
 
+    /// A reading as that whose noise is the same at any range.
+    pub fn value(&self, reading: f64) -> f64 {
+        self.instrument.value(reading)
+    }
+
+    /// Range (m) of the nearest piece that a ray crosses, whatever it reads, and the angle between ray and piece, rad.
+    pub fn first_crossed(&self, ray: &Ray) -> Option<(f64, f64)> {
+        let crossed =
+            self.pieces.iter().filter_map(|piece| Some((piece.crossing(ray, GRAZING)?.range_m, piece.angle(ray))));
+        crossed.min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
     /// Whether a reading is of none of the pieces that its ray crosses; none where it crosses none whose reading is known well, and of no reading.
     pub fn is_astray(&self, ray: &Ray) -> Option<bool> {
-        let reading = ray.reading.filter(|reading| reading.is_finite() && *reading > 0.0)?;
+        let reading = self.value(ray.reading.filter(|reading| reading.is_finite() && *reading > 0.0)?);
         let mut is_astray = None;
         for crossing in self.pieces.iter().filter_map(|piece| piece.crossing(ray, SLANT)) {
             let (expected, slope) = self.instrument.reading(crossing.range_m, ray.bearing_rad);
@@ -162,7 +186,7 @@ fn points<'a>(scans: impl Iterator<Item = &'a Scan>, instrument: Instrument, sig
 
 /// Of the pieces near a reading that with the middle nearest to where the ray crosses it, which the reading itself does not choose.
 fn difference(ray: &Ray, pieces: &[Piece], instrument: Instrument, sigma: f64) -> Option<Difference> {
-    let reading = ray.reading?;
+    let reading = instrument.value(ray.reading?);
     let (range_m, slope) = instrument.range(ray)?;
     let far_m = WINDOW * sigma / slope;
     let end = [0, 1].map(|k| ray.origin_m[k] + range_m * ray.direction[k]);

@@ -6,6 +6,7 @@ use clap::Args;
 
 use crate::figures::Paper;
 use crate::output::args::{FormatOption, Given, ThreadsOption, count, positive};
+use crate::worlds::kernels::cone;
 use crate::worlds::reading::FanArgs;
 use crate::worlds::source::BagArgs;
 
@@ -25,6 +26,15 @@ pub struct CalibrateOptions {
     /// Of a camera's log: focal length times baseline, px·m
     #[arg(long, value_name = "PX·M", default_value_t = sensor::Stereo::default().focal_baseline, allow_negative_numbers = true, value_parser = positive)]
     pub focal_baseline: f64,
+    /// Of a log: sensors whose ranges are a depth camera's, by their numbers; a log without numbers has number 0
+    #[arg(long, value_name = "N,N", value_delimiter = ',', allow_negative_numbers = true)]
+    pub depth: Vec<usize>,
+    /// Of a log of sonars: range from which on they hear nothing, m [default: what the log says, else 5]
+    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = positive)]
+    pub sonar_range: Option<f64>,
+    /// Of a log of sonars: angle between the edges of the cone, degrees [default: what the log says, else 30]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = cone)]
+    pub sonar_width: Option<f64>,
     /// Of a log: scans to fit, spread evenly over it; all of a shorter one
     #[arg(long, value_name = "N", default_value_t = 200, allow_negative_numbers = true, value_parser = count(1_000_000))]
     pub scans: u32,
@@ -69,6 +79,9 @@ Of a log, sigma is that of readings about straight pieces of surface, which are 
 maps: the mapper `visibility` maps every second scan and predicts the others, and what is maximised is the likelihood of their readings over hit \
 (correct match), no echo, early returns, the prior, and the correlation of cells 5 cm apart. Where too few readings lie on straight surfaces, \
 sigma is by maps too, is too small, and a note says so. \
+Of a log of several kinds of sensors each is fitted by itself, and sonars that are mounted together as one. Of sonars, whose echoes come from anywhere in a cone, all is by maps. \
+A stereo camera that sees farther to the side than 87.5 degrees looks all round. Of a depth camera (--depth) sigma is that of the inverse range, and the share of pixels that give a reading, \
+and the angle to a surface below which none does, are those of rays that cross straight surfaces.
 The lengths over which views share their errors (--repeat-distance and --repeat-angle of `replay`) are those over which readings of no \
 straight piece of surface come again by the same beam: a log can tell them where the robot has stood, or crept, and moved on. \
 Intervals hold the values whose likelihood is not lower for sure (95 %), all else as found, by a bootstrap of blocks of neighbouring \

@@ -60,7 +60,8 @@ fn pairs(run: &[Scan], surfaces: &Surfaces, sigma: f64) -> Vec<Vec<Pair>> {
         let like = |second: &Scan| {
             let both = |beam: &usize| Some((first.readings[*beam]?, second.readings[*beam]?));
             let both: Vec<(f64, f64)> = astray.iter().filter_map(both).collect();
-            let again = both.iter().filter(|(a, b)| (a - b).abs() <= LIKE * sigma).count();
+            let apart = |(a, b): &(f64, f64)| (surfaces.value(*a) - surfaces.value(*b)).abs();
+            let again = both.iter().filter(|both| apart(both) <= LIKE * sigma).count();
             let turned_rad = libm::remainder(second.pose.theta_rad - first.pose.theta_rad, std::f64::consts::TAU);
             Pair {
                 apart_m: libm::hypot(second.pose.x_m - first.pose.x_m, second.pose.y_m - first.pose.y_m),

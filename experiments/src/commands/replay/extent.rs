@@ -34,6 +34,8 @@ pub(super) struct Survey {
     pub(super) sensor: Sensor,
     /// Every sensor by its number, and how mappers know it.
     pub(super) sensors: BTreeMap<usize, Known>,
+    /// The sensors that are judged as one, by the number of the first: sonars of one kind of message; every other by itself.
+    pub(super) arrays: BTreeMap<usize, Vec<usize>>,
     /// Scans in use.
     pub(super) kept: u64,
     /// Counts of everything.
@@ -56,14 +58,14 @@ pub(super) struct Known {
 }
 
 impl Known {
-    /// Makes the model of every sensor once, of the kind of its first scan.
-    fn by_number(model: &dyn Fn(Sensor) -> Result<Shared, Failure>) -> impl FnMut(&Event) -> Result<Self, Failure> {
+    /// Makes the model of every sensor once, by its first scan.
+    fn by_number(model: &dyn Fn(&Event) -> Result<Shared, Failure>) -> impl FnMut(&Event) -> Result<Self, Failure> {
         let mut known: BTreeMap<usize, Self> = BTreeMap::new();
         move |event| {
             if let Some(known) = known.get(&event.sensor) {
                 return Ok(known.clone());
             }
-            let new = Self { kind: event.kind, model: model(event.kind)? };
+            let new = Self { kind: event.kind, model: model(event)? };
             Ok(known.entry(event.sensor).or_insert(new).clone())
         }
     }
@@ -86,7 +88,7 @@ impl Survey {
     pub(super) fn of(
         recording: &Recording,
         reach: Option<f64>,
-        model: &dyn Fn(Sensor) -> Result<Shared, Failure>,
+        model: &dyn Fn(&Event) -> Result<Shared, Failure>,
     ) -> Result<Self, Failure> {
         let mut sensors = Known::by_number(model);
         let reach_m = match reach {
@@ -98,6 +100,7 @@ impl Survey {
             place: recording.place(),
             sensor: log.sensor(),
             sensors: BTreeMap::new(),
+            arrays: BTreeMap::new(),
             kept: 0,
             report: Report::default(),
             path: Vec::new(),
@@ -130,6 +133,11 @@ impl Survey {
             survey.kept += 1;
         }
         survey.report = log.report().clone();
+        for number in survey.sensors.keys() {
+            survey.arrays.entry(survey.report.array_of(*number)).or_default().push(*number);
+        }
+        // The first of an array may have no scan in use.
+        survey.arrays = survey.arrays.into_values().map(|numbers| (numbers[0], numbers)).collect();
         Ok(survey)
     }
 

@@ -46,7 +46,7 @@ pub(super) fn map(
     let progress = Count::scans(survey.kept);
     let mut mappers: Vec<Box<dyn Mapper>> = entries.iter().map(|entry| entry.mapper(setup)).collect();
     let reach = |scan: &Scan| match survey.kind(scan) {
-        Sensor::Laser { .. } | Sensor::Sonar => Reach::Reading,
+        Sensor::Laser { .. } | Sensor::Sonar { .. } => Reach::Reading,
         Sensor::Stereo => Reach::Median,
     };
     let mut seen = Seen::new(setup.grid);

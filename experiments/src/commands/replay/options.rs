@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
-use logs::{Report, Sensor, Unit};
+use logs::{Event, Report, Sensor, Unit};
 use mapper::Repeats;
 
 use crate::failure::Failure;
@@ -16,7 +16,7 @@ use crate::output::folder;
 use crate::output::recording::RecordingOption;
 use crate::programs::options::ProgramOptions;
 use crate::worlds::agreement::Spread;
-use crate::worlds::kernels::{self, LaserOptions, Shared, SonarOptions, StereoOptions};
+use crate::worlds::kernels::{self, DepthOptions, Kernels, LaserOptions, Shared, SonarOptions, StereoOptions};
 use crate::worlds::ranked::SortOption;
 use crate::worlds::reading::{self, DAMAGED_SHARE, FanArgs, stem};
 use crate::worlds::source::BagArgs;
@@ -106,6 +106,9 @@ pub struct ReplayOptions {
     /// What the mappers know of sonars
     #[command(flatten)]
     pub sonar: SonarOptions,
+    /// What the mappers know of depth cameras
+    #[command(flatten)]
+    pub depth: DepthOptions,
     /// Views up to so far apart share their false readings, m: what repeats is no news to `visibility-dynamic`
     #[arg(long, value_name = "M", default_value_t = Repeats::CHOSEN.distance_m, allow_negative_numbers = true, value_parser = positive)]
     pub repeat_distance: f64,
@@ -163,6 +166,7 @@ impl ReplayOptions {
         logs::Options {
             min_range_m: self.min_range.unwrap_or(0.0),
             max_range_m: self.max_range,
+            max_sonar_m: self.sonar.sonar_range,
             max_disparity_px: Some(self.stereo.max_disparity),
             fan: self.fan.fan(),
             max_gap_s: self.max_gap,
@@ -189,7 +193,7 @@ impl ReplayOptions {
         match sensor {
             Sensor::Laser { .. } => Spread::Range(self.laser.range_sigma),
             Sensor::Stereo => Spread::Disparity(self.stereo.disparity_sigma),
-            Sensor::Sonar => Spread::Cone,
+            Sensor::Sonar { .. } => Spread::Cone,
         }
     }
 
@@ -199,9 +203,13 @@ impl ReplayOptions {
         let is_bag = report.unit == Unit::Message;
         if self.trajectory.is_none()
             && !is_bag
-            && report.sensors.values().all(|sensor| !sensor.name.starts_with("RAWLASER"))
+            && report.sensors.values().all(|sensor| !sensor.name.starts_with("RAWLASER") && sensor.name != "SONAR")
         {
             self.given.warn(&["max_gap"], place, "a log that has poses of its own");
+        }
+        if self.depth.depth.is_empty() {
+            let of_depth = ["depth_sigma", "depth_hit", "depth_range"];
+            self.given.warn(&of_depth, place, "a log in which --depth names no sensor");
         }
         if !self.mappers.iter().any(|mapper| mapper == HEEDFUL) {
             let among = format!("of which none is {HEEDFUL}");
@@ -218,15 +226,27 @@ impl ReplayOptions {
 
     /// What the mappers know of the sensor that took the log.
     pub(super) fn sensor(&self, sensor: Sensor) -> Result<Shared, Failure> {
-        match sensor {
-            Sensor::Sonar => Ok(Arc::new(self.sonar.sonar())),
-            _ => kernels::sensor(&self.log.display().to_string(), sensor, (self.laser, self.stereo)),
+        kernels::sensor(&self.log.display().to_string(), sensor, self.kernels())
+    }
+
+    /// What the mappers know of the sensor that took a scan of the log.
+    pub(super) fn sensor_of(&self, event: &Event) -> Result<Shared, Failure> {
+        match event.kind {
+            Sensor::Laser { .. } if self.depth.depth.contains(&event.sensor) => Ok(Arc::new(self.depth.camera())),
+            Sensor::Stereo if kernels::is_all_round(&event.scan) => Ok(Arc::new(self.stereo.all_round())),
+            kind => self.sensor(kind),
         }
+    }
+
+    /// What the mappers know, kind by kind.
+    pub(super) fn kernels(&self) -> Kernels {
+        (self.laser, self.stereo, self.sonar)
     }
 }
 
 const FORMATS: &str = "\
-Logs of lasers: CARMEN (FLASER, RLASER, ROBOTLASER1 to 5, and RAWLASER1 to 5 with poses from ODOM; other messages are skipped and counted), and \
+Logs of lasers and sonars: CARMEN (FLASER, RLASER, ROBOTLASER1 to 5, RAWLASER1 to 5 with poses from ODOM, and SONAR with poses from the lasers' or from \
+ODOM; other messages are skipped and counted), and \
 tables (CSV; also with semicolons, tabs or blanks) with the columns scan,x_m,y_m,theta_rad,bearing_rad,range_m, time_s if there are times, and \
 sensor if there are several; range_m is inf where no echo came back, and empty, NaN, 0 or negative where a beam says nothing. Logs of \
 stereo cameras: such tables with disparity_px, as `room` writes them (scans.csv); no match is empty, NaN, 0, negative, or above --max-disparity. \

@@ -155,11 +155,13 @@ fn name(options: &ReplayOptions) -> String {
 
 fn facts(told: &Told) -> String {
     let Told { survey, setup, predictions, .. } = told;
-    let called = |known: &Known| match known.kind {
+    let called = |(known, count): (&Known, usize)| match known.kind {
         Sensor::Laser { beams, max_range_m } => format!("a laser of {beams} beams up to {max_range_m} m"),
-        Sensor::Stereo | Sensor::Sonar => kernels::called(known.kind).to_owned(),
+        Sensor::Sonar { .. } if count > 1 => format!("{count} sonars"),
+        Sensor::Stereo | Sensor::Sonar { .. } => kernels::called(known.kind).to_owned(),
     };
-    let mut all: Vec<String> = survey.sensors.values().map(called).collect();
+    let arrays = survey.arrays.iter().filter_map(|(first, all)| Some((survey.sensors.get(first)?, all.len())));
+    let mut all: Vec<String> = arrays.map(called).collect();
     all.dedup();
     let sensor = all.join(" and ");
     let (scans, kept) = (survey.kept, predictions.scans);
@@ -206,7 +208,7 @@ pub(super) fn left_out(report: &Report) -> Vec<(&'static str, u64)> {
 /// What the maps were made from.
 fn configuration(told: &Told) -> Value {
     let Told { options, survey, setup, .. } = told;
-    let described = |kind: Sensor| kernels::record(kind, options.laser, options.stereo, options.sonar.sonar());
+    let described = |kind: Sensor| kernels::record(kind, options.kernels());
     let mut configuration = json!({
         "log": options.log.display().to_string(),
         "trajectory": options.trajectory.as_ref().and_then(|path| path.file_name()).map(|name| name.to_string_lossy()),
@@ -226,14 +228,19 @@ fn configuration(told: &Told) -> Value {
         "reconciliation": setup.reconciliation,
         "sensor": described(survey.sensor),
     });
-    if survey.sensors.len() > 1 {
-        let all = survey.sensors.iter().map(|(number, known)| (number.to_string(), described(known.kind)));
+    if survey.arrays.len() > 1 {
+        let first = survey.sensors.iter().filter(|(number, _)| survey.arrays.contains_key(number));
+        let all = first.map(|(number, known)| (number.to_string(), described(known.kind)));
         configuration["sensors"] = Value::Object(all.collect());
     }
+    let cameras =
+        told.options.depth.depth.iter().map(|number| (number.to_string(), json!(told.options.depth.camera())));
+    let cameras: serde_json::Map<String, Value> = cameras.collect();
     // What is seldom asked for stands there where it was.
     let rare = [
         ("body", (options.body == Body::Robot).then(|| json!("robot"))),
         ("bag", options.bag.record()),
+        ("depth", (!cameras.is_empty()).then(|| Value::Object(cameras))),
         ("given_max_range_m", options.max_range.map(|max_range_m| json!(max_range_m))),
         (
             "repeat_distance_m",

@@ -47,7 +47,7 @@ pub(super) struct Judged {
 /// How well a map predicts one sensor.
 pub(super) struct OfSensor {
     pub(super) mapper: String,
-    /// Its number.
+    /// Its number; the first, of an array of sonars.
     pub(super) sensor: usize,
     /// What it is.
     pub(super) called: &'static str,
@@ -164,7 +164,7 @@ impl Predictions {
             .collect();
         let onset = setup.prior.onset(setup.grid.cell_m);
         let recalibrated = Recalibrated::of(recording, (hold_out, survey.kept), maps, setup)?;
-        let several = survey.sensors.len() > 1;
+        let several = survey.arrays.len() > 1;
         let unseen_world = Raster::filled(setup.grid, setup.prior.marginal());
         let told = |number: usize, scan: &Scan| {
             let sensor = &**setup.sensors.of(scan);
@@ -227,8 +227,8 @@ impl Predictions {
         let rows: Vec<Prediction> = beliefs.iter().enumerate().map(row).collect::<Result<_, Failure>>()?;
         let along = Self::along(&scans, &rows, baseline, compared, &place);
         let readings = scans.iter().map(|scan| scan.readings).sum();
-        let of_sensor = |(number, known): (&usize, &Known), k: usize| {
-            let own = || scans.iter().filter(|scan| scan.sensor == *number);
+        let of_sensor = |(number, numbers): (&usize, &Vec<usize>), known: &Known, k: usize| {
+            let own = || scans.iter().filter(|scan| numbers.contains(&scan.sensor));
             let series = |of: &dyn Fn(&Told) -> f64| {
                 series_mean(&own().map(|scan| (of(scan), scan.readings)).collect::<Vec<_>>()).ok()
             };
@@ -243,8 +243,11 @@ impl Predictions {
                 correct: known.model.correct_match(),
             }
         };
-        let sensors =
-            (survey.sensors.iter()).map(|known| (0..beliefs.len()).map(|k| of_sensor(known, k)).collect()).collect();
+        let all_rows = |array: (&usize, &Vec<usize>)| {
+            let known = survey.sensors.get(array.0)?;
+            Some((0..beliefs.len()).map(|k| of_sensor(array, known, k)).collect())
+        };
+        let sensors = survey.arrays.iter().filter_map(all_rows).collect();
         let judged = judging(&rows, maps);
         let agreement = judged.map(|map| Judged {
             mapper: maps.maps[map].mapper,

@@ -9,6 +9,7 @@ use crate::failure::Failure;
 use crate::page::scans::{ReadingUnit, Scans};
 use crate::page::{Mapped, Moment, ViewedWorld};
 use crate::worlds::film::{Frame, in_fine_steps, in_levels};
+use crate::worlds::kernels;
 
 /// Most scans that a page shows, of those kept back.
 const MOST_SCANS: usize = 120;
@@ -25,11 +26,27 @@ const MOST_FINE: usize = 200_000;
 /// A log that is refused.
 pub(super) fn world(name: &str, recording: &Recording, told: &Told) -> Result<ViewedWorld, Failure> {
     let stride = told.predictions.scans.div_ceil(MOST_SCANS).max(1);
-    // Readings of one unit: those of the sensors that are what the first is.
-    let kind = std::mem::discriminant(&told.survey.sensor);
+    // Readings of one unit: those of the sensors that are what the first is, but not sonars beside others, whose echoes are of no place.
+    let is_sonar = |kind: &Sensor| matches!(kind, Sensor::Sonar { .. });
+    let kinds = || told.survey.sensors.values().map(|known| known.kind);
+    let first = match is_sonar(&told.survey.sensor) {
+        true => kinds().find(|kind| !is_sonar(kind)).unwrap_or(told.survey.sensor),
+        false => told.survey.sensor,
+    };
+    let kind = std::mem::discriminant(&first);
     let shown = |scan: &sensor::Scan| std::mem::discriminant(&told.survey.kind(scan)) == kind;
     let of = |number: usize, scan: &sensor::Scan| (number.is_multiple_of(stride) && shown(scan)).then(|| scan.clone());
-    let scans: Vec<_> = kept_back::each(recording, told.options.hold_out, &of)?.into_iter().flatten().collect();
+    let mut scans: Vec<sensor::Scan> =
+        kept_back::each(recording, told.options.hold_out, &of)?.into_iter().flatten().collect();
+    // The page knows disparities of depths alone; those of a camera that looks all round are of ranges.
+    let is_all_round = first == Sensor::Stereo && scans.iter().any(kernels::is_all_round);
+    if is_all_round {
+        for scan in &mut scans {
+            let sensor = told.setup.sensors.of(scan).clone();
+            let rays = scan.readings.iter_mut().zip(&scan.bearings_rad);
+            rays.for_each(|(reading, bearing)| *reading = reading.and_then(|read| sensor.range_of(read, *bearing)));
+        }
+    }
     let spec = told.setup.grid;
     let maps = told.maps.maps.iter().filter(|map| map.mapper != "prior");
     let mapped = maps.map(|map| Mapped {
@@ -58,8 +75,9 @@ pub(super) fn world(name: &str, recording: &Recording, told: &Told) -> Result<Vi
         metrics: Vec::new(),
         mappers: mapped.collect(),
         scans: Some(Scans {
-            unit: match told.survey.sensor {
-                Sensor::Laser { .. } | Sensor::Sonar => ReadingUnit::Range,
+            unit: match first {
+                _ if is_all_round => ReadingUnit::Range,
+                Sensor::Laser { .. } | Sensor::Sonar { .. } => ReadingUnit::Range,
                 Sensor::Stereo => ReadingUnit::Disparity(told.options.stereo.focal_baseline),
             },
             scans,

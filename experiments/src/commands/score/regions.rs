@@ -44,10 +44,10 @@ impl Regions {
     /// A log that cannot be read; scans that see nothing of the truth.
     pub(super) fn seen(scans: &Path, truth: &Truth) -> Result<Self, Failure> {
         let refused = |error: LogError| Failure::BadInput(error.to_string());
-        let mut log = Log::open(scans, &Options::default()).map_err(refused)?;
+        let mut log = Log::open(scans, &Options { sonars: false, ..Options::default() }).map_err(refused)?;
         let most_m = match log.sensor() {
             Sensor::Laser { max_range_m, .. } => max_range_m,
-            Sensor::Stereo | Sensor::Sonar => f64::INFINITY,
+            Sensor::Stereo | Sensor::Sonar { .. } => f64::INFINITY,
         };
         let mut walls = match &truth.scene {
             Some(scene) => Walls::World(Box::new(World::new(scene))),

@@ -166,6 +166,7 @@ impl SlamOptions {
             max_range_m: self.max_range,
             max_disparity_px: Some(self.stereo.max_disparity),
             fan: self.fan.fan(),
+            sonars: false,
             every: u64::from(self.every),
             window_s: self.window.map(|[from, to]| from..to),
             damaged_share: self.damaged_share,

@@ -25,7 +25,7 @@ use crate::output::note;
 use crate::output::record::Record;
 use crate::output::table::{Table, optional, rounded};
 use crate::page::cloud::Moment;
-use crate::worlds::kernels;
+use crate::worlds::kernels::{self, SonarOptions};
 use crate::worlds::landmarks;
 use crate::worlds::seen::{Reach, Seen};
 
@@ -188,7 +188,7 @@ fn configuration(told: &Told) -> Value {
         "relations": name(&options.relations),
         "layout": options.layout,
         "given_grid_m": options.grid,
-        "sensor": told.sensor.map(|kind| kernels::record(kind, options.laser, options.stereo, sensor::Sonar::default())),
+        "sensor": told.sensor.map(|kind| kernels::record(kind, (options.laser, options.stereo, SonarOptions::default()))),
         "reach_m": options.reach,
         "min_range_m": options.min_range,
         "given_max_range_m": options.max_range,

@@ -8,7 +8,7 @@ use sensor::{FeatureCamera, FeatureReading, Pose, Scan};
 use super::options::SlamOptions;
 use crate::failure::Failure;
 use crate::worlds::condition::AS_BELIEVED;
-use crate::worlds::kernels;
+use crate::worlds::kernels::{self, SonarOptions};
 use crate::worlds::landmarks;
 use crate::worlds::scenes;
 use crate::worlds::site::{Assumptions, Site, camera_alone};
@@ -152,7 +152,7 @@ impl Source {
             ));
         }
         scans.iter_mut().for_each(|taken| taken.clock_s = report.start_s + taken.scan.time_s);
-        let sensor = kernels::sensor(&place, kind, (options.laser, options.stereo))?;
+        let sensor = kernels::sensor(&place, kind, (options.laser, options.stereo, SonarOptions::default()))?;
         let ranges = |taken: &Taken| -> Vec<f64> {
             let read = taken.scan.readings.iter().zip(&taken.scan.bearings_rad);
             read.filter_map(|(reading, bearing)| sensor.range_of((*reading)?, *bearing)).collect()

@@ -19,10 +19,10 @@ pub fn load(path: &Path, kernel: Kernel) -> Result<ScanSet, Failure> {
     let refuse = |what: &str| Failure::BadInput(format!("{}{what}", path.display()));
     // A camera sees as far as its disparities reach, and ends of ranges beyond are on the map.
     let max_range_m = (kernel == Kernel::Stereo).then_some(f64::INFINITY);
-    let options = Options { max_range_m, problems: 1, ..Options::default() };
+    let options = Options { max_range_m, sonars: false, problems: 1, ..Options::default() };
     let mut log = Log::open(path, &options).map_err(refused)?;
     let mut set = match (kernel, log.sensor()) {
-        (Kernel::Laser, Sensor::Stereo | Sensor::Sonar) => {
+        (Kernel::Laser, Sensor::Stereo | Sensor::Sonar { .. }) => {
             return Err(refuse(": holds disparities, which no laser reads; leave out --sensor laser"));
         }
         (Kernel::Laser, Sensor::Laser { max_range_m, .. }) => ScanSet::of_laser(max_range_m),

@@ -11,10 +11,17 @@ pub type Visit<'a> = dyn FnMut(&mut dyn FnMut(&Scan)) -> Result<(), Failure> + '
 /// A sensor of a robot with several.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Named {
-    /// Its number in scans.
-    pub number: usize,
+    /// Its number in scans; of sonars that are mounted together, all of theirs.
+    pub numbers: Vec<usize>,
     /// What people call it.
     pub called: String,
+}
+
+impl Named {
+    /// The number that it goes by: the first.
+    pub fn number(&self) -> usize {
+        self.numbers.first().copied().unwrap_or_default()
+    }
 }
 
 /// What speaks for a sensor, and against it.

@@ -1,15 +1,17 @@
 //! A map of every sensor by itself, and the scans that were kept back from it.
 
+use std::collections::BTreeMap;
+
 use grid::Raster;
 use mapper::{Belief, FastVisibility, Mapper as _, Model, Predictive};
 use rayon::prelude::*;
 use score::{SeriesMean, series_mean};
-use sensor::{Pose, Scan, SensorModel};
+use sensor::{Pose, Ray, Scan, SensorModel};
 
 use super::evidence::{Named, Suspect, Turn, Visit};
 use crate::failure::Failure;
 
-/// Scans kept back of each sensor, at most ...
+/// Scans kept back of each sensor, at most; what sonars that are mounted together read at one time is one ...
 const MOST_SCANS: usize = 128;
 
 /// ... and rays of each of them.
@@ -26,16 +28,20 @@ pub(super) struct Panel<'a> {
     setup: &'a Model,
     sensors: &'a [Named],
     maps: Vec<Raster<f64>>,
-    kept: Vec<Vec<Scan>>,
+    /// Of each sensor, what it read at one time.
+    kept: Vec<Vec<Vec<Scan>>>,
     poses: Extent,
 }
 
-/// The scans of a sensor that are kept back, thinned by halves.
-#[derive(Default)]
-struct Kept {
+/// A sensor's map in the making, and its scans that are kept back, thinned by halves.
+struct Making {
+    mapper: FastVisibility,
+    hold_out: u64,
     seen: u64,
     every: u64,
-    scans: Vec<Scan>,
+    kept: Vec<Vec<Scan>>,
+    /// Of one time, until the next begins.
+    now: Vec<Scan>,
 }
 
 /// What one scan says under a map.
@@ -48,7 +54,8 @@ struct Told {
 /// Where the robot has been and looked.
 #[derive(Default)]
 struct Extent {
-    first: Option<Pose>,
+    /// By sensor: those of a robot look to all sides while it stands.
+    first: BTreeMap<usize, Pose>,
     moved: bool,
 }
 
@@ -61,22 +68,18 @@ impl<'a> Panel<'a> {
         back_rad: &[f64],
         visit: &mut Visit<'_>,
     ) -> Result<Self, Failure> {
-        let mut mappers: Vec<FastVisibility> = sensors.iter().map(|_| FastVisibility::visibility(setup)).collect();
-        let mut kept: Vec<Kept> = sensors.iter().map(|_| Kept { every: 1, ..Kept::default() }).collect();
+        let mut all: Vec<Making> = sensors.iter().map(|_| Making::new(setup, hold_out)).collect();
         let mut poses = Extent::default();
         visit(&mut |scan| {
-            let Some(number) = sensors.iter().position(|sensor| sensor.number == scan.sensor) else { return };
+            let Some(number) = sensors.iter().position(|sensor| sensor.numbers.contains(&scan.sensor)) else { return };
             let theta_rad = scan.pose.theta_rad + back_rad[number];
             let scan = Scan { pose: Pose { theta_rad, ..scan.pose }, ..scan.clone() };
-            poses.add(scan.pose);
-            match kept[number].takes(hold_out) {
-                Some(true) => kept[number].add(scan),
-                Some(false) => {}
-                None => mappers[number].integrate(&scan),
-            }
+            poses.add(&scan);
+            all[number].take(scan);
         })?;
-        let maps = mappers.iter().map(|mapper| mapper.occupancy().clone()).collect();
-        Ok(Self { setup, sensors, maps, kept: kept.into_iter().map(|kept| kept.scans).collect(), poses })
+        all.iter_mut().for_each(Making::settle);
+        let maps = all.iter().map(|making| making.mapper.occupancy().clone()).collect();
+        Ok(Self { setup, sensors, maps, kept: all.into_iter().map(|making| making.kept).collect(), poses })
     }
 
     /// What speaks for every sensor and against it; how its own map takes it to be turned back is not known yet.
@@ -104,7 +107,7 @@ impl<'a> Panel<'a> {
     }
 
     fn sensor(&self, number: usize) -> &dyn SensorModel {
-        let scan = Scan { sensor: self.sensors[number].number, ..Scan::default() };
+        let scan = Scan { sensor: self.sensors[number].number(), ..Scan::default() };
         &**self.setup.sensors.of(&scan)
     }
 
@@ -124,13 +127,16 @@ impl<'a> Panel<'a> {
     /// What the scans kept back of a sensor, turned by an angle (rad), say under a map.
     fn told(&self, number: usize, map: &Raster<f64>, turn_rad: f64) -> Vec<Told> {
         let (sensor, onset) = (self.sensor(number), self.setup.prior.onset(self.setup.grid.cell_m));
-        let told = |scan: &Scan| {
+        let turned = |scan: &Scan| {
             let theta_rad = scan.pose.theta_rad + turn_rad;
-            let turned = Scan { pose: Pose { theta_rad, ..scan.pose }, ..scan.clone() };
+            Scan { pose: Pose { theta_rad, ..scan.pose }, ..scan.clone() }
+        };
+        let told = |scans: &Vec<Scan>| {
             let mut predictive = Predictive::new(self.setup.grid, sensor, onset);
             let mut told = Told { log: 0.0, explained: 0.0, readings: 0 };
-            for ray in turned.rays().step_by(turned.readings.len().div_ceil(MOST_RAYS).max(1)) {
-                if predictive.take(&ray) {
+            let rays: Vec<Ray> = scans.iter().flat_map(|scan| turned(scan).rays().collect::<Vec<_>>()).collect();
+            for ray in rays.iter().step_by(rays.len().div_ceil(MOST_RAYS).max(1)) {
+                if predictive.take(ray) {
                     let loss = predictive.log_loss(Belief::Cells(map));
                     let false_match = ray.reading.map_or(0.0, |reading| false_density(sensor, reading));
                     told.log -= loss;
@@ -163,7 +169,7 @@ impl<'a> Panel<'a> {
     /// The reading about which most of a sensor's lie, up to what the conventional rules take for one reading, and their share. Echoes alone count.
     fn same(&self, number: usize) -> Option<(f64, f64)> {
         let half_bin = self.sensor(number).half_bin(self.setup.grid.cell_m);
-        let readings = self.kept[number].iter().flat_map(|scan| scan.readings.iter().flatten());
+        let readings = self.kept[number].iter().flatten().flat_map(|scan| scan.readings.iter().flatten());
         let mut readings: Vec<f64> = readings.copied().filter(|reading| reading.is_finite()).collect();
         readings.sort_by(f64::total_cmp);
         let middle = *readings.get(readings.len() / 2)?;
@@ -190,30 +196,48 @@ pub(crate) fn false_density(sensor: &dyn SensorModel, reading: f64) -> f64 {
     if reading.is_finite() { in_bin / (2.0 * HALF) } else { in_bin }
 }
 
-impl Kept {
-    /// Whether the next scan is kept back and kept, or kept back and left out; none where it is for the map.
-    fn takes(&mut self, hold_out: u64) -> Option<bool> {
-        self.seen += 1;
-        let number = self.seen / hold_out;
-        self.seen.is_multiple_of(hold_out).then(|| number.is_multiple_of(self.every))
+impl Making {
+    fn new(setup: &Model, hold_out: u64) -> Self {
+        let mapper = FastVisibility::visibility(setup);
+        Self { mapper, hold_out, seen: 0, every: 1, kept: Vec::new(), now: Vec::new() }
     }
 
-    fn add(&mut self, scan: Scan) {
-        self.scans.push(scan);
-        if self.scans.len() == MOST_SCANS {
-            let mut number = 0;
-            self.scans.retain(|_| {
-                number += 1;
-                number % 2 == 0
-            });
-            self.every *= 2;
+    /// Takes a scan; those of one time wait for each other.
+    fn take(&mut self, scan: Scan) {
+        if !self.now.last().is_some_and(|last| last.is_with(&scan)) {
+            self.settle();
+        }
+        self.now.push(scan);
+    }
+
+    /// What was read at one time is kept back, or left out, or goes into the map.
+    fn settle(&mut self) {
+        if self.now.is_empty() {
+            return;
+        }
+        let now = std::mem::take(&mut self.now);
+        self.seen += 1;
+        let number = self.seen / self.hold_out;
+        if !self.seen.is_multiple_of(self.hold_out) {
+            self.mapper.integrate_together(&now);
+        } else if number.is_multiple_of(self.every) {
+            self.kept.push(now);
+            if self.kept.len() == MOST_SCANS {
+                let mut number = 0;
+                self.kept.retain(|_| {
+                    number += 1;
+                    number % 2 == 0
+                });
+                self.every *= 2;
+            }
         }
     }
 }
 
 impl Extent {
-    fn add(&mut self, pose: Pose) {
-        let first = *self.first.get_or_insert(pose);
+    fn add(&mut self, scan: &Scan) {
+        let pose = scan.pose;
+        let first = *self.first.entry(scan.sensor).or_insert(pose);
         let far = (pose.x_m - first.x_m).hypot(pose.y_m - first.y_m);
         self.moved |= far > MOVED || (pose.theta_rad - first.theta_rad).abs() > MOVED;
     }

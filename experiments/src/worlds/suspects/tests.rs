@@ -7,19 +7,36 @@ use super::*;
 use crate::worlds::condition::AS_BELIEVED;
 use crate::worlds::site::{Assumptions, Site};
 
-/// An office with glass, seen by a camera (sensor 0) and a laser (sensor 1).
-static OFFICE: LazyLock<(Model, Vec<Scan>)> = LazyLock::new(|| {
-    let text = include_str!("../../../../scenes/office-glass.toml");
-    let scene = Scene::parse(text, Path::new("office-glass.toml"), None).expect("a scene");
+/// What the sensors of a scene read on its drive.
+fn driven(text: &str) -> (Model, Vec<Scan>) {
+    let scene = Scene::parse(text, Path::new("scene.toml"), None).expect("a scene");
     let Site { ground, setup } = Site::of(scene, &AS_BELIEVED, &Assumptions::default()).expect("a site");
     let simulation = scene::simulate(&ground.scene, &ground.world, &ground.drive, 1);
     (setup, simulation.scans.iter().flat_map(SimulatedScan::together).collect())
+}
+
+/// An office with glass, seen by a camera (sensor 0) and a laser (sensor 1).
+static OFFICE: LazyLock<(Model, Vec<Scan>)> =
+    LazyLock::new(|| driven(include_str!("../../../../scenes/office-glass.toml")));
+
+/// A room, heard by a ring of 16 sonars (sensor 1) and seen by a laser (sensor 2).
+static RING: LazyLock<(Model, Vec<Scan>)> = LazyLock::new(|| {
+    let ring =
+        include_str!("../../../../scenes/sonar-ring.toml").replace("scan_interval = 1.0", "scan_interval = 0.25");
+    driven(&(ring + "\n[[sensor]]\nkind = \"laser\"\nbeams = 90\nfield_of_view_deg = 180.0\nmax_range = 30.0\n"))
 });
 
-/// What is found where the scans of one sensor are changed, the number of the scan being given.
+/// What is found in the office where the scans of one sensor are changed, the number of the scan being given.
 fn found(sensor: usize, change: impl Fn(usize, &mut Scan)) -> Vec<Suspect> {
-    let (setup, scans) = &*OFFICE;
-    let scans: Vec<Scan> = scans
+    let sensors = ["camera", "laser"].into_iter().enumerate();
+    let sensors: Vec<Named> =
+        sensors.map(|(number, called)| Named { numbers: vec![number], called: called.to_owned() }).collect();
+    judged(&OFFICE.0, &sensors, &changed(&OFFICE.1, sensor, change))
+}
+
+/// The same scans, those of one sensor changed.
+fn changed(scans: &[Scan], sensor: usize, change: impl Fn(usize, &mut Scan)) -> Vec<Scan> {
+    scans
         .iter()
         .enumerate()
         .map(|(number, scan)| {
@@ -29,10 +46,11 @@ fn found(sensor: usize, change: impl Fn(usize, &mut Scan)) -> Vec<Suspect> {
             }
             scan
         })
-        .collect();
-    let sensors = ["camera", "laser"].into_iter().enumerate();
-    let sensors: Vec<Named> = sensors.map(|(number, called)| Named { number, called: called.to_owned() }).collect();
-    let suspects = suspects(setup, &sensors, 5, &mut |each| {
+        .collect()
+}
+
+fn judged(setup: &Model, sensors: &[Named], scans: &[Scan]) -> Vec<Suspect> {
+    let suspects = suspects(setup, sensors, 5, &mut |each| {
         scans.iter().for_each(each);
         Ok(())
     });
@@ -40,7 +58,7 @@ fn found(sensor: usize, change: impl Fn(usize, &mut Scan)) -> Vec<Suspect> {
 }
 
 fn named_of(suspects: &[Suspect]) -> Vec<(usize, &'static str)> {
-    named(suspects).into_iter().map(|(sensor, wrong)| (sensor.number, wrong.word())).collect()
+    named(suspects).into_iter().map(|(sensor, wrong)| (sensor.number(), wrong.word())).collect()
 }
 
 /// What cannot be read of a reading; a number that looks like none, the same for the same ray.
@@ -106,9 +124,56 @@ fn a_sensor_is_turned_back_by_what_it_was_turned() {
     }
 }
 
+/// The ring and the laser: one scan for the ring, or one for each of its sonars, from 10 on.
+fn ring_and_laser(is_apart: bool, degrees: f64) -> Vec<Suspect> {
+    let scans = changed(&RING.1, 1, turned(degrees));
+    let named = |numbers: Vec<usize>, called: &str| Named { numbers, called: called.to_owned() };
+    if !is_apart {
+        return judged(&RING.0, &[named(vec![1], "ring"), named(vec![2], "laser")], &scans);
+    }
+    let models = |number: usize| RING.0.sensors.of(&Scan { sensor: number.clamp(1, 2), ..Scan::default() }).clone();
+    // The laser is sensor 0, the sonars are 1 to 16.
+    let sensors = mapper::Sensors::new((0..=16).map(|number| models(if number == 0 { 2 } else { 1 })).collect());
+    let setup = Model { sensors, ..RING.0.clone() };
+    let apart = |scan: &Scan| -> Vec<Scan> {
+        if scan.sensor == 2 {
+            return vec![Scan { sensor: 0, ..scan.clone() }];
+        }
+        let sonar = |(k, (bearing, reading)): (usize, (&f64, &Option<f64>))| Scan {
+            sensor: k + 1,
+            pose: Pose { theta_rad: scan.pose.theta_rad + bearing, ..scan.pose },
+            bearings_rad: vec![0.0],
+            readings: vec![*reading],
+            ..scan.clone()
+        };
+        scan.bearings_rad.iter().zip(&scan.readings).enumerate().map(sonar).collect()
+    };
+    let scans: Vec<Scan> = scans.iter().flat_map(apart).collect();
+    judged(&setup, &[named(vec![0], "laser"), named((1..=16).collect(), "ring")], &scans)
+}
+
+#[test]
+fn a_ring_of_sonars_that_is_turned_is_named_as_one_and_the_laser_is_not() {
+    for is_apart in [false, true] {
+        assert_eq!(lines(&ring_and_laser(is_apart, 0.0)), [""; 0], "{is_apart}");
+        for degrees in [5.0, -5.0] {
+            let suspects = ring_and_laser(is_apart, degrees);
+            let [(sensor, Wrong::Turned { back_rad })] = named(&suspects)[..] else {
+                panic!(
+                    "{is_apart} {degrees}: {:?}\n{}",
+                    lines(&suspects),
+                    String::from_utf8_lossy(&table(&suspects).csv().expect("text"))
+                )
+            };
+            assert_eq!(sensor.called, "ring");
+            assert!((back_rad.to_degrees() + degrees).abs() <= 2.0 + 1e-9, "{}", back_rad.to_degrees());
+        }
+    }
+}
+
 #[test]
 fn a_sensor_alone_is_held_against_nothing() {
-    let named = [Named { number: 0, called: "camera".to_owned() }];
+    let named = [Named { numbers: vec![0], called: "camera".to_owned() }];
     let suspects = suspects(&OFFICE.0, &named, 5, &mut |_| panic!("nothing is read"));
     assert!(suspects.expect("nothing to read").is_empty());
 }

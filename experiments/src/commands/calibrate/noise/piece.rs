@@ -54,6 +54,11 @@ pub(super) struct Crossing {
 }
 
 impl Piece {
+    /// The angle that a ray makes with it, rad; negative from the other side.
+    pub(super) fn angle(&self, ray: &Ray) -> f64 {
+        libm::asin(dot(self.normal, ray.direction).clamp(-1.0, 1.0))
+    }
+
     /// Where a ray crosses it from the side that it was seen from, at no smaller sine than this.
     pub(super) fn crossing(&self, ray: &Ray, slant: f64) -> Option<Crossing> {
         let sine = dot(self.normal, ray.direction);
