@@ -488,12 +488,33 @@ fn several_sensors_are_mapped_together_and_one_that_is_wrong_is_named() {
         assert_eq!(own.len(), 2);
         assert!((sum / readings - together[0].1).abs() < 1e-4, "the readings of all are those of each");
     }
-    for command in ["calibrate", "speed"] {
+    for (more, expected) in [
+        (
+            &[][..],
+            "holds readings of several kinds of sensors, and `calibrate` fits one; choose it with --sensor: 0 (a stereo camera), 1 (a laser)",
+        ),
+        (&["--sensor", "3"], "--sensor 3: room/scans.csv has no such sensor, but 0 (a stereo camera), 1 (a laser)"),
+    ] {
         let mut one = Command::cargo_bin("experiments").expect("built");
-        let words: &[&str] = if command == "speed" { &["--scans"] } else { &[] };
-        let done = one.current_dir(folder.path()).arg(command).args(words).arg("room/scans.csv").output();
+        let done = one.current_dir(folder.path()).args(["calibrate", "room/scans.csv"]).args(more).output();
         let said = String::from_utf8(done.expect("starts").stderr).expect("text");
-        let expected = format!("room/scans.csv: holds readings of a laser and a stereo camera, and `{command}` takes");
-        assert!(said.contains(&expected), "{said}");
+        assert!(said.contains(expected), "{said}");
     }
+    let fit =
+        ["room/scans.csv", "--sensor", "1", "--max-range", "30", "--scans", "30", "--beams", "20", "--grid", "0.1"];
+    let mut one = Command::cargo_bin("experiments").expect("built");
+    let done = one.current_dir(folder.path()).arg("calibrate").args(fit).output().expect("starts");
+    let text = String::from_utf8(done.stdout).expect("text");
+    assert!(done.status.success() && text.contains("30 scans of a laser up to 30 m"), "{text}");
+    // The page shows what both read at the scans kept back.
+    let page = fs::read_to_string(at("out/report.html")).expect("written");
+    let world = decoded(&page).expect("a page with a viewer").remove(0);
+    let names: Vec<&str> = world.sensors.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names, ["0 stereo", "1 laser"]);
+    assert!(
+        world
+            .sensors
+            .iter()
+            .all(|(_, readings)| readings.iter().flatten().count() > 100 || readings.iter().all(Option::is_none))
+    );
 }

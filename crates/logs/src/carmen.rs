@@ -119,7 +119,7 @@ impl Carmen {
         message.time_s = fields.number("time", LATE_S)?;
         let mount = self.parameters.laser(message.laser).mount(message.laser);
         let mut recorded = self.recorded(&message, report)?;
-        (recorded.scan.pose, recorded.mount, recorded.odometry, recorded.placed) = (pose, mount, odometry, true);
+        (recorded.scan.pose, recorded.mount, recorded.odometry, recorded.placed) = (pose, Some(mount), odometry, true);
         Ok(recorded)
     }
 
@@ -159,7 +159,7 @@ impl Carmen {
         fields.skip(5); // velocities, safety distances, turn_axis
         message.time_s = fields.number("time", LATE_S)?;
         let mut recorded = self.recorded(&message, report)?;
-        (recorded.scan.pose, recorded.mount, recorded.placed) = (laser, seen_from(robot, laser), true);
+        (recorded.scan.pose, recorded.mount, recorded.placed) = (laser, Some(seen_from(robot, laser)), true);
         Ok(recorded)
     }
 
@@ -174,7 +174,7 @@ impl Carmen {
         let laser = self.parameters.laser(message.laser);
         let new = !self.names.iter().any(|name| name == message.name);
         let mut recorded = self.recorded(&message, report)?;
-        recorded.mount = laser.mount(message.laser);
+        recorded.mount = Some(laser.mount(message.laser));
         if new && message.laser > 1 && !laser.is_mounted() {
             let taken = if message.laser == 2 { "in its middle, looking back" } else { "in its middle, looking ahead" };
             report.noted.push(Finding::GuessedMount { sensor: message.name.to_owned(), taken });
@@ -232,7 +232,7 @@ impl Carmen {
             report.fan(sensor, message.name, found);
         }
         let scan = Scan { sensor: 0, time_s: message.time_s, pose: Pose::default(), bearings_rad, readings };
-        let (mount, odometry, placed, gap, number) = (Pose::default(), None, false, None, None);
+        let (mount, odometry, placed, gap, number) = (None, None, false, None, None);
         Ok(Recorded { scan, sensor, kind, mount, odometry, placed, gap, line: message.line, unit, number })
     }
 
@@ -273,7 +273,7 @@ impl Carmen {
 /// Whether a scan's pose is that of the odometry, or of the laser on it.
 fn is_odometry(recorded: &Recorded, odometry: Pose) -> bool {
     let same = |pose: Pose| distance_m(pose, recorded.scan.pose) < SAME && turn_rad(pose, recorded.scan.pose) < SAME;
-    same(odometry) || same(mounted(odometry, recorded.mount))
+    same(odometry) || same(mounted(odometry, recorded.mount.unwrap_or_default()))
 }
 
 impl Parser for Carmen {
@@ -390,7 +390,7 @@ mod tests {
             assert_eq!((scan.time_s, scan.pose), (77.5, Pose { x_m: 1.0, y_m: 3.0, theta_rad: 1.6 }));
             assert_eq!(recorded.kind, Sensor::Laser { max_range_m: 5.5, beams: 3 });
             // The robot looks along y, and the laser stands 1 m further along y: 1 m before the robot.
-            let mount = recorded.mount;
+            let mount = recorded.mount.expect("told");
             assert!((mount.x_m - 1.0).abs() < 1e-12 && mount.y_m.abs() < 1e-12, "{mount:?}");
             assert!((mount.theta_rad - (1.6 - FRAC_PI_2)).abs() < 1e-12, "{mount:?}");
         }

@@ -21,7 +21,8 @@ pub(crate) struct Choice {
     before: BTreeMap<usize, (f64, Option<u64>)>,
     /// Of every sensor, where it took the last scan in use.
     places: BTreeMap<usize, Place>,
-    thinning: Thinning,
+    /// Of every sensor, so that those that read at one time stay together.
+    thinning: BTreeMap<usize, Thinning>,
 }
 
 impl Choice {
@@ -32,7 +33,7 @@ impl Choice {
             start_s,
             before: BTreeMap::new(),
             places: BTreeMap::new(),
-            thinning: Thinning::default(),
+            thinning: BTreeMap::new(),
         }
     }
 
@@ -79,7 +80,7 @@ impl Choice {
             };
             scan.pose = match body {
                 Body::Sensor => pose,
-                Body::Robot => mounted(pose, mount),
+                Body::Robot => mounted(pose, mount.unwrap_or_default()),
             };
         } else if !placed {
             match gap {
@@ -92,16 +93,16 @@ impl Choice {
         if let Some(before) = self.places.insert(sensor, place) {
             report.motion.add(before, place);
         }
-        if !self.thinning.keeps(scan.pose, &self.options) {
+        if !self.thinning.entry(sensor).or_default().keeps(scan.pose, &self.options) {
             report.thinned += 1;
             return None;
         }
         report.kept += 1;
-        Some(Event { scan, sensor, kind, odometry, line })
+        Some(Event { scan, sensor, kind, mount, odometry, line })
     }
 }
 
-/// Every n-th scan, and of these those that were made far enough from the last.
+/// Every n-th scan of a sensor, and of these those that were made far enough from the last.
 #[derive(Debug, Default)]
 struct Thinning {
     seen: u64,
@@ -134,6 +135,7 @@ fn far_enough(last: Pose, pose: Pose, options: &Options) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use sensor::Scan;
 
     fn kept(poses: &[(f64, f64)], options: &Options) -> Vec<usize> {
         let mut thinning = Thinning::default();
@@ -148,6 +150,21 @@ mod tests {
     fn every_nth_from_the_first_on() {
         assert_eq!(kept(&[(0.0, 0.0); 7], &Options { every: 3, ..Options::default() }), [0, 3, 6]);
         assert_eq!(kept(&[(0.0, 0.0); 3], &Options::default()), [0, 1, 2]);
+    }
+
+    #[test]
+    fn sensors_that_read_at_one_time_stay_together() {
+        let options = Options { every: 2, ..Options::default() };
+        let (mut choice, mut report) = (Choice::new(&options, 0.0), Report::default());
+        let mut keeps = |(time_s, sensor): (f64, usize)| {
+            let scan = Scan { time_s, ..Scan::default() };
+            let (kind, mount, odometry, unit, number) = (crate::record::Sensor::Stereo, None, None, Ok(()), None);
+            let recorded =
+                Recorded { scan, sensor, kind, mount, odometry, placed: true, gap: None, line: 1, unit, number };
+            choice.take(recorded, &mut report).is_some()
+        };
+        let times = [0.0, 1.0, 2.0].into_iter().flat_map(|time_s| [(time_s, 0), (time_s, 1)]);
+        assert_eq!(times.map(&mut keeps).collect::<Vec<_>>(), [true, true, false, false, true, true]);
     }
 
     #[test]

@@ -20,12 +20,12 @@ pub struct Options {
     /// Two poses of a trajectory, or of the odometry of a raw laser, that are more than this apart are not bridged, s; scans in
     /// between are dropped and counted. 1 by default.
     pub max_gap_s: f64,
-    /// Every n-th scan alone, from the first on, of those within the time window and the trajectory; 1 by default.
+    /// Every n-th scan alone of each sensor, from the first on, of those within the time window and the trajectory; 1 by default.
     pub every: u64,
     /// Scans of these times alone, s since the first scan of the log; the end is not included.
     pub window_s: Option<Range<f64>>,
     /// A scan is dropped unless the sensor has moved at least so far, m, or turned by [`least_turn_rad`](Self::least_turn_rad),
-    /// since the last that was kept.
+    /// since its last that was kept.
     pub least_move_m: Option<f64>,
     /// As [`least_move_m`](Self::least_move_m), for turns; rad.
     pub least_turn_rad: Option<f64>,

@@ -31,7 +31,10 @@ pub struct Event {
     pub sensor: usize,
     /// What that is.
     pub kind: Sensor,
-    /// Pose of the robot by its odometry, where the log has one.
+    /// Where the sensor stands on the robot, as far as the log tells: of a bag by its transforms or options, of a CARMEN log by its
+    /// parameters, or as is usual for the laser; none of a table.
+    pub mount: Option<Pose>,
+    /// Pose of the robot by its odometry, where the log has one; of a bag, that of the sensor on it.
     pub odometry: Option<Pose>,
     /// The line it begins on, from 1.
     pub line: u64,
@@ -43,8 +46,8 @@ pub(crate) struct Recorded {
     pub(crate) scan: Scan,
     pub(crate) sensor: usize,
     pub(crate) kind: Sensor,
-    /// Where the sensor stands on the robot.
-    pub(crate) mount: Pose,
+    /// Where the sensor stands on the robot; none where the log does not tell, and it is taken to stand in the middle.
+    pub(crate) mount: Option<Pose>,
     pub(crate) odometry: Option<Pose>,
     /// Whether the log gives the scan a pose.
     pub(crate) placed: bool,

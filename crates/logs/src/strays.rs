@@ -121,7 +121,7 @@ mod tests {
         let (mut strays, mut report, mut out) = (Strays::default(), Report::default(), VecDeque::new());
         for (line, x_m) in (0..).zip(places) {
             let scan = Scan { time_s: line as f64, pose: Pose { x_m: *x_m, ..Pose::default() }, ..Scan::default() };
-            let (sensor, kind, mount) = (0, Sensor::Stereo, Pose::default());
+            let (sensor, kind, mount) = (0, Sensor::Stereo, None);
             let (odometry, placed, gap, unit, number) = (None, true, None, Ok(()), None);
             let recorded = Recorded { scan, sensor, kind, mount, odometry, placed, gap, line, unit, number };
             strays.take(recorded, &mut report, &mut out);

@@ -28,7 +28,7 @@ mod row;
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
-use sensor::{Pose, Scan};
+use sensor::Scan;
 
 use self::gather::{ByColumn, Gather, Group};
 use self::head::{Columns, DISPARITY, NAMES, READINGS, SONAR, TIME};
@@ -115,7 +115,7 @@ impl Table {
                 scan: Scan { time_s, readings, ..group.scan.clone() },
                 sensor: number(kind),
                 kind: sensor_kind,
-                mount: Pose::default(),
+                mount: None,
                 odometry: group.first.odometry,
                 placed: true,
                 gap: None,
@@ -169,6 +169,7 @@ impl Parser for Table {
 mod tests {
     use super::gather::MOST_BEAMS;
     use super::*;
+    use sensor::Pose;
 
     const HEAD: &str = "scan,x_m,y_m,theta_rad,bearing_rad,range_m";
 

@@ -124,7 +124,7 @@ impl Particle {
                 None => self.by_odometry(shared, (guess, exact), random),
             },
         };
-        self.found.evidence = self.map.evidence(&shared.sight.asked_from(pose));
+        self.found.evidence = shared.sight.evidence(&*self.map, pose);
         (self.found.pose, self.found.log_weight) = (pose, log_weight + self.look(shared.beside, pose));
     }
 
@@ -145,11 +145,11 @@ impl Particle {
         self.take(sight, odometry, self.found.pose);
     }
 
-    /// Maps a scan from a pose.
+    /// Maps the scans of one time from a pose.
     pub(crate) fn take(&mut self, sight: &Sight, odometry: Pose, pose: Pose) {
         self.frame = Frame::taking(odometry, pose);
         self.path.push(pose);
-        self.map.integrate(&sight.from(pose));
+        self.map.integrate_together(&sight.from(pose));
         for end in &sight.ends {
             self.surfaces.add(placed(pose, end));
         }
@@ -159,11 +159,13 @@ impl Particle {
     fn by_odometry(&mut self, shared: &Shared, (guess, exact): (Pose, bool), random: &mut ChaCha8Rng) -> (Pose, f64) {
         self.found.matched = 0.0;
         let last = self.path.last().copied().unwrap_or_default();
-        let pose = if exact { guess } else { shared.motion.draw(&shared.step, random).end(last) };
+        // A single particle stays in the middle of what the odometry allows, where its sensors cannot tell better.
+        let alone = shared.options.particles == 1 && !shared.sight.can_match;
+        let pose = if exact || alone { guess } else { shared.motion.draw(&shared.step, random).end(last) };
         let log_weight = match shared.options.weight {
             Weight::Field { power } => {
                 let field = self.field(shared, pose, [0.0; 2], false);
-                power * worth_of_ends(&field, shared.sight, pose)
+                power * worth_of_ends(&field, shared.sight, pose) + self.weight_of_cones(shared.sight, pose)
             }
             Weight::Evidence { power, .. } => power * self.evidence(shared.sight, pose),
         };
@@ -195,7 +197,12 @@ impl Particle {
         let height = |pose: Pose| search.height(&field, shared, pose);
         let around = Around::new((found.top, found.most), sigmas, shared.points, height);
         let log_weight = match shared.options.weight {
-            Weight::Field { power: weighed } => weighed / power * around.log_integral,
+            Weight::Field { power: weighed } => {
+                let cones = shared.sight.has_cones();
+                let cones =
+                    cones.then(|| around.log_mean(|at| self.weight_of_cones(shared.sight, moved(found.top, at))));
+                weighed / power * around.log_integral + cones.unwrap_or(0.0)
+            }
             Weight::Evidence { power: weighed, .. } => {
                 around.log_mean(|at| weighed * self.evidence(shared.sight, moved(found.top, at)))
             }
@@ -218,9 +225,19 @@ impl Particle {
         Field::new(&self.surfaces, &*self.map, shared.options.sharpness, corners, bounds)
     }
 
+    /// What cones weigh a pose by beside the field of the others: the map's evidence, which counts as much as where all are weighed by it.
+    /// Nothing of a map that does not predict, nor where there are none.
+    fn weight_of_cones(&self, sight: &Sight, pose: Pose) -> f64 {
+        match sight.evidence_of_cones(&*self.map, pose) {
+            Some(evidence) => Weight::EVIDENCE.power() * evidence,
+            None if sight.cones_begin_in(self.surfaces.spec(), pose) => 0.0,
+            None => f64::NEG_INFINITY,
+        }
+    }
+
     /// `ln P(readings | map)` of the rays that the map is asked about; of a map that does not predict, nothing.
     fn evidence(&self, sight: &Sight, pose: Pose) -> f64 {
-        self.map.evidence(&sight.asked_from(pose)).unwrap_or(f64::NEG_INFINITY)
+        sight.evidence(&*self.map, pose).unwrap_or(f64::NEG_INFINITY)
     }
 }
 

@@ -1,9 +1,9 @@
 //! The scans that a page draws: where they were taken, what they read, and how far their rays went.
 
 use grid::{DigitalLine, Raster};
-use scene::SimulatedScan;
+use scene::{Look, Mounted, SimulatedScan};
 use score::NUDGE_M;
-use sensor::Scan;
+use sensor::{Device, Pose, Scan};
 
 use crate::worlds::ground::Ground;
 
@@ -27,6 +27,32 @@ pub struct Scans {
     pub truth: Option<Vec<Vec<TrueRay>>>,
 }
 
+/// What a sensor of several read along the drive of a world.
+#[derive(Debug, Clone)]
+pub struct SensorScans {
+    /// What it is called.
+    pub name: String,
+    /// Angle between the edges of the cone of a reading, rad; 0 of rays.
+    pub width_rad: f64,
+    /// Whether a disparity is of the range along the ray, whatever its bearing: that of a camera that looks all round.
+    pub all_round: bool,
+    /// Of each scan, the number of the world's scan that it was taken with, from 1; rising.
+    pub after: Vec<usize>,
+    /// The scans.
+    pub scans: Scans,
+    /// Of cones that were simulated, how far each could be seen into.
+    pub cones: Option<Cones>,
+}
+
+/// How far cones could be seen into, by rays spread over them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cones {
+    /// Angle of every ray to the axis of its cone, rad.
+    pub offsets_rad: Vec<f64>,
+    /// As [`TrueRay::reach`], of every ray of every cone of every scan.
+    pub reach: Vec<u32>,
+}
+
 /// What is true of a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrueRay {
@@ -38,14 +64,9 @@ pub struct TrueRay {
 }
 
 impl Scans {
-    /// Those of a simulation on this ground.
+    /// Those of the camera in a simulation on this ground.
     pub fn simulated(scans: &[SimulatedScan], ground: &Ground) -> Self {
         let mut line = DigitalLine::default();
-        let mut ray = |scan: &Scan, bearing: f64, range_m: Option<f64>, truth: &Raster<Option<bool>>| {
-            let hit = range_m.unwrap_or(f64::INFINITY);
-            line.trace(truth.spec(), scan.pose.position_m(), scan.pose.direction(bearing), hit + NUDGE_M);
-            TrueRay { range_m, reach: reach(&line, hit, truth) }
-        };
         // From where the robot truly stood: the recorded pose may jitter.
         let scans: Vec<(Scan, &SimulatedScan)> = (ground.drive.poses.iter().zip(scans))
             .map(|(timed, simulated)| (Scan { pose: timed.pose, ..simulated.scan.clone() }, simulated))
@@ -53,7 +74,11 @@ impl Scans {
         let of_scan = |(number, (scan, simulated)): (usize, &(Scan, &SimulatedScan))| {
             let truth = ground.truth_after(number + 1);
             let rays = scan.bearings_rad.iter().zip(&simulated.true_ranges_m);
-            rays.map(|(bearing, range_m)| ray(scan, *bearing, *range_m, &truth)).collect()
+            let reach = |bearing: f64, range_m: Option<f64>, line: &mut DigitalLine| TrueRay {
+                range_m,
+                reach: reach(line, scan.pose, &look(bearing, range_m), &truth),
+            };
+            rays.map(|(bearing, range_m)| reach(*bearing, *range_m, &mut line)).collect()
         };
         Self {
             unit: ReadingUnit::Disparity(ground.scene.matcher.stereo.focal_baseline),
@@ -63,16 +88,72 @@ impl Scans {
     }
 }
 
-/// The cells of a line up to the last that is looked at: crossed before the hit, or the surface that is hit.
-fn reach(line: &DigitalLine, hit: f64, truth: &Raster<Option<bool>>) -> u32 {
+/// What a ray looks at that sees as far as there is anything.
+fn look(bearing_rad: f64, range_m: Option<f64>) -> Look {
+    Look { bearing_rad, range_m, reach_m: f64::INFINITY }
+}
+
+impl SensorScans {
+    /// Those of the sensors beside the camera in a simulation on this ground.
+    pub fn simulated(scans: &[SimulatedScan], ground: &Ground) -> Vec<Self> {
+        let all = (1..).zip(&ground.scene.sensors);
+        all.map(|(number, sensor)| Self::of(number, sensor, scans, ground)).collect()
+    }
+
+    fn of(number: usize, sensor: &Mounted, scans: &[SimulatedScan], ground: &Ground) -> Self {
+        let mut line = DigitalLine::default();
+        let width_rad = sensor.device.width_rad();
+        let (mut after, mut taken, mut truth) = (Vec::new(), Vec::new(), Vec::new());
+        let mut cones = (width_rad > 0.0).then(|| Cones { offsets_rad: Vec::new(), reach: Vec::new() });
+        for (place, (timed, simulated)) in ground.drive.poses.iter().zip(scans).enumerate() {
+            let Some(beside) = simulated.beside.iter().find(|beside| beside.scan.sensor == number) else { continue };
+            let pose = beside.mounted_on(timed.pose);
+            let seen = ground.truth_after(place + 1);
+            let looks = beside.looks.iter().map(|look| reach(&mut line, pose, look, &seen));
+            let looks: Vec<u32> = looks.collect();
+            let ranges = beside.true_ranges_m.iter().enumerate();
+            if let Some(cones) = &mut cones {
+                let each = beside.looks.len() / beside.scan.bearings_rad.len().max(1);
+                let axis_rad = beside.scan.bearings_rad.first().copied().unwrap_or(0.0);
+                cones.offsets_rad = beside.looks[..each].iter().map(|look| look.bearing_rad - axis_rad).collect();
+                cones.reach.extend(&looks);
+                truth.push(ranges.map(|(_, range_m)| TrueRay { range_m: *range_m, reach: 0 }).collect());
+            } else {
+                truth.push(ranges.map(|(ray, range_m)| TrueRay { range_m: *range_m, reach: looks[ray] }).collect());
+            }
+            after.push(place + 1);
+            taken.push(Scan { pose, ..beside.scan.clone() });
+        }
+        let unit = match sensor.device {
+            Device::Stereo(matcher) | Device::Omnidirectional(matcher) => {
+                ReadingUnit::Disparity(matcher.stereo.focal_baseline)
+            }
+            Device::Laser(_) | Device::Sonar(_) | Device::Depth(..) => ReadingUnit::Range,
+        };
+        Self {
+            name: sensor.name.clone(),
+            width_rad,
+            all_round: matches!(sensor.device, Device::Omnidirectional(_)),
+            after,
+            scans: Scans { unit, scans: taken, truth: Some(truth) },
+            cones,
+        }
+    }
+}
+
+/// Number of cells that a ray from a pose looks at: crossed before what it hits or its reach, or the surface that it hits, in this truth.
+fn reach(line: &mut DigitalLine, pose: Pose, look: &Look, truth: &Raster<Option<bool>>) -> u32 {
+    let range_m = look.range_m.unwrap_or(f64::INFINITY);
+    let (is_hit, hit) = (look.range_m.is_some() && range_m <= look.reach_m, range_m.min(look.reach_m));
+    line.trace(truth.spec(), pose.position_m(), pose.direction(look.bearing_rad), hit + NUDGE_M);
     let mut last = 0;
     for (k, (&cell, chord)) in line.cells().iter().zip(line.ranges().windows(2)).enumerate() {
         let crossed = chord[1].min(hit) - chord[0] > NUDGE_M;
-        let hits = chord[1] >= hit + NUDGE_M;
-        if crossed || hits && truth[cell] == Some(true) {
+        let ends = chord[1] >= hit + NUDGE_M;
+        if crossed || ends && is_hit && truth[cell] == Some(true) {
             last = k + 1;
         }
-        if hits {
+        if ends {
             break;
         }
     }

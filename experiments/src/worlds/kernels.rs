@@ -1,11 +1,12 @@
 //! What mappers know of the sensor that took a log.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use clap::Args;
 use logs::{Report, Sensor};
-use sensor::{Laser, SensorModel, Sonar, Stereo};
+use mapper::Sensors;
+use sensor::{Laser, SensorKind, SensorModel, Sonar, Stereo};
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
@@ -79,54 +80,102 @@ pub fn called(sensor: Sensor) -> &'static str {
     }
 }
 
-/// Refuses a log of several kinds of sensors, and of sonars, where one laser or camera is taken; `what` takes it.
-///
-/// # Errors
-/// Such a log.
-pub fn one_kind(place: &str, report: &Report, what: &str) -> Result<(), Failure> {
-    let kinds: BTreeSet<&str> = report.sensors.values().filter_map(|sensor| sensor.kind).map(called).collect();
-    let one = kinds.len() <= 1 && !kinds.contains(called(Sensor::Sonar));
-    one.then_some(()).ok_or_else(|| {
-        Failure::BadInput(format!(
-            "{place}: holds readings of {}, and {what} takes those of lasers or of a stereo camera; leave the columns of the others out, or map \
-             it with `replay`",
-            kinds.into_iter().collect::<Vec<_>>().join(" and ")
-        ))
-    })
+/// The name of a kind of sensor, as scene files have it.
+pub fn kind(sensor: Sensor) -> &'static str {
+    let kind = match sensor {
+        Sensor::Laser { .. } => SensorKind::Laser,
+        Sensor::Stereo => SensorKind::Stereo,
+        Sensor::Sonar => SensorKind::Sonar,
+    };
+    kind.name()
 }
 
-/// The model of the sensor that took a log.
+/// The sensor of a log that one kernel is fitted to: the chosen one, or all, where they are of one kind.
 ///
 /// # Errors
-/// A laser that makes no sense.
-pub fn sensor(place: &str, sensor: Sensor, (laser, stereo): (LaserOptions, StereoOptions)) -> Result<Shared, Failure> {
-    match sensor {
-        Sensor::Laser { max_range_m, .. } => {
-            let LaserOptions { range_sigma, hit, no_echo, early } = laser;
-            let laser = Laser { range_sigma_m: range_sigma, max_range_m, hit, no_echo, early_per_m: early };
-            laser.validate().map_err(|error| Failure::BadInput(format!("{place}: {error}")))?;
-            Ok(Arc::new(laser))
-        }
-        Sensor::Stereo => {
-            let StereoOptions { focal_baseline, disparity_sigma, correct_match, max_disparity } = stereo;
-            Ok(Arc::new(Stereo { focal_baseline, disparity_sigma, correct_match, max_disparity }))
-        }
-        Sensor::Sonar => Ok(Arc::new(Sonar::default())),
+/// A number that the log does not have, several kinds and no choice, sonars.
+pub fn fitted(place: &str, report: &Report, chosen: Option<usize>) -> Result<Sensor, Failure> {
+    let known: BTreeMap<usize, Sensor> =
+        report.sensors.iter().filter_map(|(number, sensor)| Some((*number, sensor.kind?))).collect();
+    let all = || {
+        let each = known.iter().map(|(number, sensor)| format!("{number} ({})", called(*sensor)));
+        each.collect::<Vec<_>>().join(", ")
+    };
+    let refuse = |what: String| Err(Failure::BadInput(what));
+    let of = known.iter().filter(|(number, _)| chosen.is_none_or(|chosen| chosen == **number));
+    let of: Vec<Sensor> = of.map(|(_, sensor)| *sensor).collect();
+    let kinds: BTreeSet<&str> = of.iter().map(|sensor| kind(*sensor)).collect();
+    match (of.first(), kinds.len()) {
+        (None, _) => refuse(format!(
+            "--sensor {}: {place} has no such sensor, but {}; give one of these",
+            chosen.unwrap_or_default(),
+            all()
+        )),
+        (Some(Sensor::Sonar), 1) => refuse(format!(
+            "{place}: holds readings of sonars, and `calibrate` fits lasers and stereo cameras; of a log of several sensors choose one with \
+             --sensor: {}",
+            all()
+        )),
+        (Some(sensor), 1) => Ok(*sensor),
+        _ => refuse(format!(
+            "{place}: holds readings of several kinds of sensors, and `calibrate` fits one; choose it with --sensor: {}",
+            all()
+        )),
     }
 }
 
-/// What the options say of a log's sensor, for the record.
-pub fn record(kind: Sensor, laser: LaserOptions, stereo: StereoOptions, sonar: Sonar) -> Value {
-    let LaserOptions { range_sigma, hit, no_echo, early } = laser;
-    let StereoOptions { focal_baseline, disparity_sigma, correct_match, max_disparity } = stereo;
-    match kind {
-        Sensor::Laser { max_range_m, .. } => json!({
-            "range_sigma_m": range_sigma, "max_range_m": max_range_m, "hit": hit, "no_echo": no_echo, "early_per_m": early,
-        }),
-        Sensor::Stereo => json!({
-            "focal_baseline": focal_baseline, "disparity_sigma": disparity_sigma, "correct_match": correct_match,
-            "max_disparity": max_disparity,
-        }),
-        Sensor::Sonar => json!(sonar),
+/// The sensors of a log by number as mappers take them: numbers that no scan has are taken for the first sensor.
+///
+/// # Panics
+/// Where there is none.
+pub fn sensors(known: &BTreeMap<usize, Shared>) -> Sensors {
+    let last = known.keys().next_back().copied().unwrap_or(0);
+    let of = |number: usize| known.get(&number).or_else(|| known.values().next());
+    Sensors::new((0..=last).filter_map(of).cloned().collect())
+}
+
+/// What mappers know of the sensors of a log, of every kind.
+#[derive(Debug, Clone, Copy)]
+pub struct Kernels {
+    pub laser: LaserOptions,
+    pub stereo: StereoOptions,
+    pub sonar: SonarOptions,
+}
+
+impl Kernels {
+    /// The model of a sensor that took the log at `place`.
+    ///
+    /// # Errors
+    /// A laser that makes no sense.
+    pub fn of(&self, place: &str, sensor: Sensor) -> Result<Shared, Failure> {
+        match sensor {
+            Sensor::Laser { max_range_m, .. } => {
+                let LaserOptions { range_sigma, hit, no_echo, early } = self.laser;
+                let laser = Laser { range_sigma_m: range_sigma, max_range_m, hit, no_echo, early_per_m: early };
+                laser.validate().map_err(|error| Failure::BadInput(format!("{place}: {error}")))?;
+                Ok(Arc::new(laser))
+            }
+            Sensor::Stereo => {
+                let StereoOptions { focal_baseline, disparity_sigma, correct_match, max_disparity } = self.stereo;
+                Ok(Arc::new(Stereo { focal_baseline, disparity_sigma, correct_match, max_disparity }))
+            }
+            Sensor::Sonar => Ok(Arc::new(self.sonar.sonar())),
+        }
+    }
+
+    /// What the options say of a log's sensor, for the record.
+    pub fn record(&self, kind: Sensor) -> Value {
+        let LaserOptions { range_sigma, hit, no_echo, early } = self.laser;
+        let StereoOptions { focal_baseline, disparity_sigma, correct_match, max_disparity } = self.stereo;
+        match kind {
+            Sensor::Laser { max_range_m, .. } => json!({
+                "range_sigma_m": range_sigma, "max_range_m": max_range_m, "hit": hit, "no_echo": no_echo, "early_per_m": early,
+            }),
+            Sensor::Stereo => json!({
+                "focal_baseline": focal_baseline, "disparity_sigma": disparity_sigma, "correct_match": correct_match,
+                "max_disparity": max_disparity,
+            }),
+            Sensor::Sonar => json!(self.sonar.sonar()),
+        }
     }
 }

@@ -172,7 +172,7 @@ impl Scans {
             scan: Scan { sensor: index, time_s, pose: pose.unwrap_or_default(), bearings_rad, readings },
             sensor: index,
             kind,
-            mount: sensor.mount.pose,
+            mount: Some(sensor.mount.pose),
             odometry: pose.filter(|_| sensor.way.is_some()),
             placed: pose.is_some() && sensor.way.is_some(),
             gap,

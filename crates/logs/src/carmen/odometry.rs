@@ -88,7 +88,7 @@ impl Waiting {
             match found {
                 Found::Pose(robot) => {
                     recorded.odometry = Some(robot);
-                    recorded.scan.pose = mounted(robot, recorded.mount);
+                    recorded.scan.pose = mounted(robot, recorded.mount.unwrap_or_default());
                     recorded.placed = true;
                     report.sensors.entry(recorded.sensor).or_default().odometry_poses += 1;
                 }

@@ -121,20 +121,30 @@ fn opened(options: &CalibrateOptions, source: &Source) -> Result<Log<'static>, F
     source.log(&reading)
 }
 
+/// The scans of the sensor that is fitted, or of all.
+fn scans(
+    options: &CalibrateOptions,
+    log: impl Iterator<Item = Result<Scan, logs::LogError>>,
+) -> impl Iterator<Item = Result<Scan, Failure>> {
+    let chosen = options.sensor;
+    let is_of = move |scan: &Scan| chosen.is_none_or(|number| scan.sensor == number);
+    log.map(|scan| scan.map_err(refused)).filter(move |scan| scan.as_ref().map_or(true, is_of))
+}
+
 /// Runs of scans that follow each other, spread evenly over the log: all of it, where it is short.
 fn runs(options: &CalibrateOptions, source: &Source) -> Result<Vec<Vec<Scan>>, Failure> {
     let mut all = 0;
-    for scan in opened(options, source)? {
-        scan.map_err(refused)?;
+    for scan in scans(options, opened(options, source)?) {
+        scan?;
         all += 1;
     }
     let count = (all / views::RUN).clamp(1, views::RUNS);
     let mut runs = vec![Vec::new(); count];
-    for (number, scan) in opened(options, source)?.enumerate() {
+    for (number, scan) in scans(options, opened(options, source)?).enumerate() {
         let run = (number * count / all).min(count - 1);
         // The first of those that fall to it.
         if number - (run * all).div_ceil(count) < views::RUN {
-            runs[run].push(thinned(&scan.map_err(refused)?, options.beams as usize));
+            runs[run].push(thinned(&scan?, options.beams as usize));
         }
     }
     Ok(runs)
@@ -143,33 +153,33 @@ fn runs(options: &CalibrateOptions, source: &Source) -> Result<Vec<Vec<Scan>>, F
 /// The scans that are fitted, with all of their beams, and what took them.
 fn read(options: &CalibrateOptions, source: &Source) -> Result<(Vec<Scan>, Sensor), Failure> {
     let mut all = 0;
-    for scan in opened(options, source)? {
-        scan.map_err(refused)?;
+    for scan in scans(options, opened(options, source)?) {
+        scan?;
         all += 1;
     }
     let most = u64::from(options.scans).min(all);
     // The last of every so many, also where that is no whole number.
     let takes = |number: u64| (number + 1) * most / all > number * most / all;
     let mut log = opened(options, source)?;
-    let mut scans = Vec::new();
-    for (number, scan) in (0u64..).zip(&mut log) {
-        let scan = scan.map_err(refused)?;
+    let mut fitted = Vec::new();
+    for (number, scan) in (0u64..).zip(scans(options, &mut log)) {
+        let scan = scan?;
         if takes(number) {
             // Of one kind they are, so that one kernel is fitted to all.
-            scans.push(Scan { sensor: 0, ..scan });
+            fitted.push(Scan { sensor: 0, ..scan });
         }
     }
     let place = options.file.display().to_string();
-    kernels::one_kind(&place, log.report(), "`calibrate`")?;
+    let sensor = kernels::fitted(&place, log.report(), options.sensor)?;
     reading::tell(&place, log.report());
-    reading::tell_idle(&options.given, &place, log.report(), log.sensor());
+    reading::tell_idle(&options.given, &place, log.report(), sensor);
     options.given.warn(&["consistent"], &place, "a log, which says nothing of left and right");
-    if scans.len() < 20 {
+    if fitted.len() < 20 {
         let what =
-            format!("{} scans are too few to predict some from the others; give a log of 20 or more", scans.len());
+            format!("{} scans are too few to predict some from the others; give a log of 20 or more", fitted.len());
         return Err(Failure::BadInput(format!("{}: {what}", options.file.display())));
     }
-    Ok((scans, log.sensor()))
+    Ok((fitted, sensor))
 }
 
 /// A scan with so many beams at most.

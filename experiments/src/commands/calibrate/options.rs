@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use clap::builder::TypedValueParser as _;
 
 use crate::figures::Paper;
 use crate::output::args::{FormatOption, Given, ThreadsOption, count, positive};
@@ -25,6 +26,9 @@ pub struct CalibrateOptions {
     /// Of a camera's log: focal length times baseline, px·m
     #[arg(long, value_name = "PX·M", default_value_t = sensor::Stereo::default().focal_baseline, allow_negative_numbers = true, value_parser = positive)]
     pub focal_baseline: f64,
+    /// Of a log of several sensors: the number of the one to fit [default: all, which must be of one kind]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(0..256).map(|number| number as usize))]
+    pub sensor: Option<usize>,
     /// Of a log: scans to fit, spread evenly over it; all of a shorter one
     #[arg(long, value_name = "N", default_value_t = 200, allow_negative_numbers = true, value_parser = count(1_000_000))]
     pub scans: u32,

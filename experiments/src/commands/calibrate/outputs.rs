@@ -67,7 +67,7 @@ pub(super) fn write(
     if let Some(picture) = &calibration.picture {
         options.paper.save(&mut staging, "fit.png", picture)?;
     }
-    let configuration = json!({
+    let mut configuration = json!({
         "file": name(&options.file),
         "consistent": options.consistent,
         "max_disparity": options.max_disparity,
@@ -77,6 +77,9 @@ pub(super) fn write(
         "cell_m": options.grid,
         "max_range_m": options.max_range,
     });
+    if let Some(sensor) = options.sensor {
+        configuration["sensor"] = json!(sensor);
+    }
     let loss = rounded(calibration.fit.loss.mean);
     let parts = json!({ "configuration": configuration, "readings": calibration.readings, "loss": loss });
     staging.record(&Record::new("calibrate", parts))?;

@@ -1,7 +1,6 @@
 //! Options of `replay`.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
 use logs::{Report, Sensor, Unit};
@@ -16,7 +15,7 @@ use crate::output::folder;
 use crate::output::recording::RecordingOption;
 use crate::programs::options::ProgramOptions;
 use crate::worlds::agreement::Spread;
-use crate::worlds::kernels::{self, LaserOptions, Shared, SonarOptions, StereoOptions};
+use crate::worlds::kernels::{Kernels, LaserOptions, Shared, SonarOptions, StereoOptions};
 use crate::worlds::ranked::SortOption;
 use crate::worlds::reading::{self, DAMAGED_SHARE, FanArgs, stem};
 use crate::worlds::source::BagArgs;
@@ -216,12 +215,14 @@ impl ReplayOptions {
         Repeats { distance_m: self.repeat_distance, angle_rad, ..Repeats::CHOSEN }
     }
 
-    /// What the mappers know of the sensor that took the log.
+    /// What the mappers know of the sensors that took the log.
+    pub(super) fn kernels(&self) -> Kernels {
+        Kernels { laser: self.laser, stereo: self.stereo, sonar: self.sonar }
+    }
+
+    /// The same of one of them.
     pub(super) fn sensor(&self, sensor: Sensor) -> Result<Shared, Failure> {
-        match sensor {
-            Sensor::Sonar => Ok(Arc::new(self.sonar.sonar())),
-            _ => kernels::sensor(&self.log.display().to_string(), sensor, (self.laser, self.stereo)),
-        }
+        self.kernels().of(&self.log.display().to_string(), sensor)
     }
 }
 
