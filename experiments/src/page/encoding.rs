@@ -279,16 +279,13 @@ fn scans(of: &Scans) -> Value {
 }
 
 fn sensor(of: &SensorScans) -> Value {
-    let cones = of.cones.as_ref().map(|cones| {
-        json!({ "offsets": cones.offsets_rad, "reach": series(cones.reach.iter().map(|reach| Some(*reach as i32))) })
-    });
     json!({
         "name": of.name,
         "width": of.width_rad,
         "all_round": of.all_round,
         "after": of.after,
         "scans": scans(&of.scans),
-        "cones": cones,
+        "most": of.most_m,
     })
 }
 

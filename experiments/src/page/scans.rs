@@ -40,17 +40,8 @@ pub struct SensorScans {
     pub after: Vec<usize>,
     /// The scans.
     pub scans: Scans,
-    /// Of cones that were simulated, how far each could be seen into.
-    pub cones: Option<Cones>,
-}
-
-/// How far cones could be seen into, by rays spread over them.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Cones {
-    /// Angle of every ray to the axis of its cone, rad.
-    pub offsets_rad: Vec<f64>,
-    /// As [`TrueRay::reach`], of every ray of every cone of every scan.
-    pub reach: Vec<u32>,
+    /// Of cones, the range beyond which nothing is heard, m.
+    pub most_m: Option<f64>,
 }
 
 /// What is true of a ray.
@@ -58,8 +49,8 @@ pub struct Cones {
 pub struct TrueRay {
     /// Range of the first hit, m; none where there is none.
     pub range_m: Option<f64>,
-    /// Number of cells from the camera to the last one that the ray looked at, both counted, as
-    /// [`Sightings::looks`](score::Sightings::looks) counts.
+    /// Number of cells from the sensor to the last one that the ray looked at, both counted, as
+    /// [`Sightings::looks`](score::Sightings::looks) counts; 0 of a cone.
     pub reach: u32,
 }
 
@@ -104,23 +95,16 @@ impl SensorScans {
         let mut line = DigitalLine::default();
         let width_rad = sensor.device.width_rad();
         let (mut after, mut taken, mut truth) = (Vec::new(), Vec::new(), Vec::new());
-        let mut cones = (width_rad > 0.0).then(|| Cones { offsets_rad: Vec::new(), reach: Vec::new() });
         for (place, (timed, simulated)) in ground.drive.poses.iter().zip(scans).enumerate() {
             let Some(beside) = simulated.beside.iter().find(|beside| beside.scan.sensor == number) else { continue };
             let pose = beside.mounted_on(timed.pose);
             let seen = ground.truth_after(place + 1);
-            let looks = beside.looks.iter().map(|look| reach(&mut line, pose, look, &seen));
-            let looks: Vec<u32> = looks.collect();
-            let ranges = beside.true_ranges_m.iter().enumerate();
-            if let Some(cones) = &mut cones {
-                let each = beside.looks.len() / beside.scan.bearings_rad.len().max(1);
-                let axis_rad = beside.scan.bearings_rad.first().copied().unwrap_or(0.0);
-                cones.offsets_rad = beside.looks[..each].iter().map(|look| look.bearing_rad - axis_rad).collect();
-                cones.reach.extend(&looks);
-                truth.push(ranges.map(|(_, range_m)| TrueRay { range_m: *range_m, reach: 0 }).collect());
-            } else {
-                truth.push(ranges.map(|(ray, range_m)| TrueRay { range_m: *range_m, reach: looks[ray] }).collect());
-            }
+            // A cone is seen into up to what is nearest in it, wherever that is: its range says all.
+            let mut of_ray = |(ray, range_m): (usize, &Option<f64>)| TrueRay {
+                range_m: *range_m,
+                reach: if width_rad > 0.0 { 0 } else { reach(&mut line, pose, &beside.looks[ray], &seen) },
+            };
+            truth.push(beside.true_ranges_m.iter().enumerate().map(&mut of_ray).collect());
             after.push(place + 1);
             taken.push(Scan { pose, ..beside.scan.clone() });
         }
@@ -136,7 +120,7 @@ impl SensorScans {
             all_round: matches!(sensor.device, Device::Omnidirectional(_)),
             after,
             scans: Scans { unit, scans: taken, truth: Some(truth) },
-            cones,
+            most_m: (width_rad > 0.0).then(|| sensor.device.max_range_m()),
         }
     }
 }

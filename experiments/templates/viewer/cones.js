@@ -69,8 +69,8 @@ function drawCones(pen, { world, drawRays }, view, sensor, scan) {
   const arc = (axis, range) => steps.map((offset) => end(axis + offset, range));
   const along = (points, begin) => points.forEach((point, k) => (k || begin ? pen.lineTo(...point) : pen.moveTo(...point)));
   scan.bearings.forEach((axis, k) => {
-    const reach = far[k] ?? measured[k];
-    if (reach !== null && reach < border) {
+    const reach = Math.min(far[k] ?? Infinity, sensor.most ?? Infinity);
+    if (reach < border) {
       pen.beginPath();
       pen.moveTo(...start);
       along(arc(axis, reach), true);

@@ -2,10 +2,9 @@
 // it has a camera, and the pose of the robot at every moment.
 
 /**
- * @typedef {{name: string, width: number, all_round: boolean, after: number[], scans: PackedScans, cones: {offsets: number[], reach: string}|null}} PackedSensor
- * @typedef {Scan & {fans: {bearings: number[], reach: number[]}|null}} SensorScan fans: rays spread over cones, and how far each sees
- * @typedef {{name: string, width: number, all_round: boolean, unit: string, focal_baseline: number|null, ink: Colour,
- *   at: Map<number, SensorScan>}} Sensor at: its scans by the number of the world's scan
+ * @typedef {{name: string, width: number, all_round: boolean, after: number[], scans: PackedScans, most: number|null}} PackedSensor
+ * @typedef {{name: string, width: number, all_round: boolean, unit: string, focal_baseline: number|null, most: number|null, ink: Colour,
+ *   at: Map<number, Scan>}} Sensor most: range beyond which cones hear nothing, m; at: its scans by the number of the world's scan
  */
 
 /** Colours of sensors in their order, beside each other and on any map: the first is that of a camera alone. @type {Colour[]} */
@@ -18,28 +17,15 @@ const switchedOff = new Set();
 const sensorsOf = (world) => once(world.sensors ?? world, () => {
   if (!world.sensors) return [];
   const [own, ground] = [world.scans, groundOf(world)];
-  const camera = { name: "camera", width: 0, all_round: false, after: ground.scans.map((_, k) => k + 1), scans: own, cones: null };
+  const camera = { name: "camera", width: 0, all_round: false, after: ground.scans.map((_, k) => k + 1), scans: own, most: null };
   const hasCamera = own.fans.some((fan) => fan.length > 0);
   return [...(hasCamera ? [camera] : []), ...world.sensors].map((packed, k) => {
-    const { name, width, all_round, after, scans } = packed;
+    const { name, width, all_round, most, after, scans } = packed;
     const all = packed === camera ? ground.scans : scansOf(scans);
-    const fans = packed.cones ? fansOf(packed, all) : all.map(() => null);
-    return { name, width, all_round, unit: scans.unit, focal_baseline: scans.focal_baseline, ink: SENSOR_INKS[k % SENSOR_INKS.length],
-      at: new Map(after.map((number, i) => [number, { ...all[i], fans: fans[i] }])) };
+    return { name, width, all_round, most, unit: scans.unit, focal_baseline: scans.focal_baseline, ink: SENSOR_INKS[k % SENSOR_INKS.length],
+      at: new Map(after.map((number, i) => [number, all[i]])) };
   });
 });
-
-/** The rays that are spread over the cones of each scan. @param {PackedSensor} packed @param {Scan[]} scans */
-function fansOf({ cones }, scans) {
-  const each = cones.offsets.length;
-  const reach = series(cones.reach, scans.reduce((sum, scan) => sum + scan.bearings.length * each, 0), 1);
-  let from = 0;
-  return scans.map((scan) => {
-    const bearings = scan.bearings.flatMap((axis) => cones.offsets.map((offset) => axis + offset));
-    from += bearings.length;
-    return { bearings, reach: reach.slice(from - bearings.length, from) };
-  });
-}
 
 /** The chosen world's sensors that are switched on and have read at the chosen moment, with what they read. */
 function sensorsNow() {
@@ -54,11 +40,31 @@ const [rangeOfOne, readingOfOne] = [rangeOf, readingOf];
 rangeOf = (world, reading, bearing) => rangeOfOne(world, reading, world.scans.all_round ? 0 : bearing);
 readingOf = (world, range, bearing) => readingOfOne(world, range, world.scans.all_round ? 0 : bearing);
 
+/** Adds to the count of every cell that cones of a scan looked into: once for each cone, up to what is nearest in it, or as far as it hears.
+ * @param {World} world @param {Sensor} sensor @param {Scan} scan @param {Int32Array} looks @param {1|-1} sign */
+function lookInto(world, sensor, scan, looks, sign) {
+  const [x, y, theta] = scan.pose;
+  scan.bearings.forEach((axis, k) => {
+    const far = Math.min(scan.ranges[k] ?? Infinity, sensor.most ?? Infinity);
+    const rays = Math.max(Math.ceil((1.5 * sensor.width * Math.min(far, world.cell_m * Math.hypot(world.width, world.height))) / world.cell_m), 2);
+    const cells = new Set();
+    for (let ray = 0; ray <= rays; ray++) {
+      trace(world, [x, y], theta + axis + sensor.width * (ray / rays - 0.5), (cell, enter, exit) => {
+        if (Math.min(exit, far) - enter > NUDGE_M) cells.add(cell);
+        return exit < far;
+      });
+    }
+    for (const cell of cells) looks[cell] += sign;
+  });
+}
+
 /** Everything that any sensor looked at with a scan of the world, with sign. */
 function lookOfAll(world, number, looks, sign) {
   for (const sensor of sensorsOf(world)) {
     const scan = sensor.at.get(number);
-    if (scan?.reach) look(world, scan.fans ? { ...scan, ...scan.fans } : scan, looks, sign);
+    if (!scan?.reach) continue;
+    if (sensor.width > 0) lookInto(world, sensor, scan, looks, sign);
+    else look(world, scan, looks, sign);
   }
 }
 

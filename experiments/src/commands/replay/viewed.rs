@@ -106,7 +106,7 @@ fn none(number: usize, known: &Known, told: &Told) -> SensorScans {
         all_round: false,
         after: Vec::new(),
         scans: Scans { unit: unit(known.kind, told), scans: Vec::new(), truth: None },
-        cones: None,
+        most_m: None,
     }
 }
 
