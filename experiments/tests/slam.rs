@@ -363,40 +363,38 @@ fn a_sensor_of_which_nobody_knows_where_it_stands_is_refused() {
     assert!(!folder.path().join("o").exists());
 }
 
-/// A laser ahead of the middle, and sonars all round it.
-const BESIDE: &str = "[odometry]\n[[sensor]]\nkind = \"laser\"\nname = \"laser\"\nx = 0.1\nbeams = 60\nfield_of_view_deg = 180.0\n\
-    max_range = 8.0\n[[sensor]]\nkind = \"sonar\"\nname = \"ring\"\ncones = 8\nfield_of_view_deg = 360.0\nmax_range = 3.0\nevery = 2\n";
+/// An office with a stereo camera and a laser.
+const OFFICE: &str = include_str!("../../scenes/office-glass.toml");
+
+const RING: &str =
+    "[[sensor]]\nkind = \"sonar\"\nname = \"ring\"\ncones = 8\nfield_of_view_deg = 360.0\nmax_range = 3.0\nevery = 2\n";
 
 #[test]
-fn a_laser_beside_the_camera_finds_the_way_no_worse() {
+fn a_laser_beside_the_camera_finds_the_way_better_and_sonars_do_it_no_harm() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path();
-    fs::write(path.join("camera.toml"), format!("{SCENE}[odometry]\n")).expect("writable");
-    fs::write(path.join("all.toml"), format!("{SCENE}{BESIDE}")).expect("writable");
-    let sonars = BESIDE.split_once("[[sensor]]\nkind = \"sonar\"").expect("there").1;
-    let without_camera = SCENE.replace("[camera]\ncolumns = 24\nfield_of_view_deg = 70.0\n", "");
-    fs::write(path.join("ring.toml"), format!("{without_camera}[odometry]\n[[sensor]]\nkind = \"sonar\"{sonars}"))
-        .expect("writable");
-    for weight in ["field", "evidence"] {
-        let found = |scene: &str| {
-            let out = format!("{scene}-{weight}");
-            let file = format!("{scene}.toml");
-            let args = ["slam", &file, "--particles", "9", "--weight", weight, "--seed", "2", "--out", &out];
-            let (text, err) = run(path, 0, &args);
-            assert!(!err.contains("warning"), "{err}");
-            (mean(&path.join(&out), "slam", "ate"), mean(&path.join(&out), "odometry", "ate"), text)
-        };
-        let [camera, all, ring] = ["camera", "all", "ring"].map(found);
-        assert!(all.0 <= camera.0, "{weight}: {} m with a laser, {} m by the camera alone", all.0, camera.0);
-        assert!(all.0 < 0.5 * all.1, "{weight}: {} m, the odometry {} m", all.0, all.1);
-        assert!(
-            all.2.contains("1 laser at (0.10, 0.00) m, 0 deg:") && all.2.contains("weighs and is mapped"),
-            "{}",
-            all.2
-        );
-        // Sonars are not matched, and particles of their own do no harm that odometry does not.
-        assert!(ring.0 < 2.0 * ring.1 + 0.05, "{weight}: {} {}", ring.0, ring.1);
+    let (before, rest) = OFFICE.split_once("[[sensor]]").expect("a laser");
+    let (laser, after) = rest.split_once("[robot]").expect("a robot");
+    let scene = |sensors: &str| format!("{before}{sensors}[robot]{after}\n[odometry]\n");
+    let laser = format!("[[sensor]]{laser}");
+    fs::write(path.join("camera.toml"), scene("")).expect("writable");
+    fs::write(path.join("both.toml"), scene(&laser)).expect("writable");
+    fs::write(path.join("all.toml"), scene(&format!("{laser}{RING}"))).expect("writable");
+    let found = |scene: &str, weight: &str| {
+        let (out, file) = (format!("{scene}-{weight}"), format!("{scene}.toml"));
+        let args = ["slam", &file, "--particles", "5", "--weight", weight, "--seed", "2", "--out", &out];
+        let (text, err) = run(path, 0, &args);
+        assert!(!err.contains("warning"), "{err}");
+        let [slam, odometry] = ["slam", "odometry"].map(|name| mean(&path.join(&out), name, "ate"));
+        (slam, odometry, text)
+    };
+    let [camera, both, all] = ["camera", "both", "all"].map(|scene| found(scene, "field"));
+    let evidence = found("all", "evidence");
+    assert!(both.0 < 0.5 * camera.0, "{} m with a laser, {} m by the camera alone", both.0, camera.0);
+    for (with, odometry, _) in [&both, &all, &evidence] {
+        assert!(*with < 0.03 && *with < 0.5 * odometry, "{with} m, the odometry {odometry} m");
     }
+    assert!(all.2.contains("1 laser at (0.10, 0.00) m, 0 deg:") && all.2.contains("weighs and is mapped"), "{}", all.2);
     let record = fs::read_to_string(path.join("all-field/run.json")).expect("readable");
     let record: serde_json::Value = serde_json::from_str(&record).expect("JSON");
     assert_eq!(record["configuration"]["mounts"]["1"], serde_json::json!([0.1, 0.0, 0.0]));

@@ -13,7 +13,7 @@ use sensor::{FeatureCamera, FeatureReading, Pose, Scan, Step};
 use crate::features::{Association, Beside, FeatureOptionsError, Landmark, confirmed};
 use crate::motion::Motion;
 use crate::options::{Options, OptionsError};
-use crate::particle::{Particle, Shared};
+use crate::particle::{MOST, Particle, Shared};
 use crate::random::{ALL, stream};
 use crate::resampling::{effective, low_variance, normalised};
 use crate::sight::{Mounted, Sight};
@@ -82,9 +82,11 @@ pub struct Slam {
     unseen: Box<dyn Mapper>,
     particles: Vec<Particle>,
     rows: Vec<Row>,
-    /// The odometry at the last update, and at the last in which each sensor took part.
+    /// The odometry at the last update that was matched or drawn, and at the last in which each sensor took part.
     last: Pose,
     taken: BTreeMap<usize, Pose>,
+    /// The odometry at the last update with a sensor whose readings can be matched.
+    matched: Option<Pose>,
     updates: Vec<Update>,
     /// Updates in a row that the map explains worse than none.
     unexplained: usize,
@@ -149,6 +151,7 @@ impl Slam {
             rows: Vec::new(),
             last: Pose::default(),
             taken: BTreeMap::new(),
+            matched: None,
             updates: Vec::new(),
             unexplained: 0,
             passed_over: Vec::new(),
@@ -214,12 +217,27 @@ impl Slam {
             self.update(&sight, readings, odometry, step)
         };
         if update.is_some() {
-            self.last = odometry;
+            if !self.follows(&sight, odometry) {
+                self.last = odometry;
+            }
+            if sight.can_match {
+                self.matched = Some(odometry);
+            }
             self.taken.extend(scans.iter().map(|mounted| (mounted.scan.sensor, odometry)));
         }
         self.updates.extend(update);
         self.rows.push(Row { time_s, odometry, updates: self.updates.len() });
         update
+    }
+
+    /// Whether poses follow the odometry at an update that cannot be matched, since one was matched not far back: what is drawn between two matches
+    /// the second could not take back, and what is not drawn it can look for.
+    fn follows(&self, sight: &Sight, odometry: Pose) -> bool {
+        !sight.can_match
+            && self.matched.is_some_and(|matched| {
+                let step = Step::between(matched, odometry);
+                step.distance_m.abs() < MOST[0] && step.turn_rad().abs() < MOST[1]
+            })
     }
 
     /// The first scan: all particles are where the odometry says, and share one map.
@@ -254,7 +272,8 @@ impl Slam {
             .collect();
         let beside = self.features.as_ref().map(|(camera, rules)| Beside { camera, rules, readings });
         let (options, motion) = (&self.options, &*self.motion);
-        let shared = Shared { options, motion, sight, beside, odometry, step, points: &points };
+        let follows = self.follows(sight, odometry);
+        let shared = Shared { options, motion, sight, beside, odometry, step, follows, points: &points };
         self.particles.par_iter_mut().enumerate().for_each(|(k, particle)| {
             particle.find(&shared, &mut stream(seed, number, k as u32));
         });
@@ -273,7 +292,7 @@ impl Slam {
             return None;
         }
         self.in_a_row = 0;
-        self.particles.par_iter_mut().for_each(|particle| particle.accept(sight, odometry));
+        self.particles.par_iter_mut().for_each(|particle| particle.accept(sight, odometry, follows));
         let carried_away = self.is_carried_away(gain);
         let effective = effective(&weights);
         let resampled = effective < 0.5 * self.particles.len() as f64;

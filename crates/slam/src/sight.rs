@@ -52,9 +52,8 @@ pub(crate) struct Sight {
     scans: Vec<Look>,
     /// Readings that lie within reach and say where a surface is, of all sensors but those with cones, whose readings do not tell the bearing.
     pub(crate) ends: Vec<End>,
-    /// The rays about which the map is asked.
-    asked: Vec<Look>,
-    /// Those of cones; none where their evidence is asked for with that of the others.
+    /// The rays about which the map is asked, and the cones.
+    rays: Vec<Look>,
     cones: Vec<Look>,
     /// Whether a sensor took part whose readings can be matched.
     pub(crate) can_match: bool,
@@ -74,21 +73,21 @@ impl Look {
 
 impl Sight {
     pub(crate) fn new(scans: &[Mounted], sensors: &Sensors, options: &Options) -> Self {
-        let is_cone = |mounted: &&Mounted| sensors.of(mounted.scan).width_rad() > 0.0;
-        let (cones, narrow): (Vec<Mounted>, Vec<Mounted>) = scans.iter().partition(is_cone);
-        let ends = narrow.iter().flat_map(|mounted| ends(mounted, &**sensors.of(mounted.scan), options)).collect();
-        let (beams, cones) = match options.weight {
-            Weight::Evidence { beams, .. } => (beams, Vec::new()),
-            Weight::Field { .. } => (ASKED, thinned(&cones, ASKED)),
+        let is_cone = |scan: &Scan| sensors.of(scan).width_rad() > 0.0;
+        let narrow = || scans.iter().filter(|mounted| !is_cone(mounted.scan));
+        let beams = match options.weight {
+            Weight::Evidence { beams, .. } => beams,
+            Weight::Field { .. } => ASKED,
         };
         let look = |mounted: &Mounted| Look { scan: mounted.scan.clone(), mount: mounted.mount };
+        let (cones, rays) = thinned(scans, beams).into_iter().partition(|look| is_cone(&look.scan));
         Self {
             time_s: scans.first().map_or(0.0, |first| first.scan.time_s),
             scans: scans.iter().map(look).collect(),
-            ends,
-            asked: thinned(scans, beams),
+            ends: narrow().flat_map(|mounted| ends(mounted, &**sensors.of(mounted.scan), options)).collect(),
+            rays,
             cones,
-            can_match: !narrow.is_empty(),
+            can_match: narrow().next().is_some(),
         }
     }
 
@@ -97,29 +96,30 @@ impl Sight {
         self.scans.iter().map(|look| look.mounted().scan_from(robot)).collect()
     }
 
-    /// `ln P(readings | map)` of the rays about which the map is asked, from a pose of the robot; none of a map that does not predict.
-    pub(crate) fn evidence(&self, map: &dyn Mapper, robot: Pose) -> Option<f64> {
-        evidence(&self.asked, map, robot)
+    /// `ln P(readings | map)` of the rays about which the map is asked, from a pose of the robot; none of a map that does not predict, and of
+    /// one that a sensor is not on.
+    pub(crate) fn evidence_of_rays(&self, map: &dyn Mapper, robot: Pose) -> Option<f64> {
+        evidence(&self.rays, map, robot)
     }
 
-    /// The same of the cones, where particles are weighed by a field, which cones are not matched to; none without a cone.
+    /// The same of the cones; 0 where there are none.
     pub(crate) fn evidence_of_cones(&self, map: &dyn Mapper, robot: Pose) -> Option<f64> {
-        if self.cones.is_empty() { None } else { evidence(&self.cones, map, robot) }
+        evidence(&self.cones, map, robot)
     }
 
-    /// Whether particles are weighed by a field, and there are cones that they are to be weighed by besides.
-    pub(crate) fn has_cones(&self) -> bool {
-        !self.cones.is_empty()
+    /// The same of both.
+    pub(crate) fn evidence(&self, map: &dyn Mapper, robot: Pose) -> Option<f64> {
+        Some(self.evidence_of_rays(map, robot)? + self.evidence_of_cones(map, robot)?)
     }
 
-    /// Whether all of these cones begin on the map, from a pose of the robot.
+    /// Whether all cones begin on the map, from a pose of the robot.
     pub(crate) fn cones_begin_in(&self, cells: &GridSpec, robot: Pose) -> bool {
         self.cones.iter().all(|look| cells.locate(look.mounted().pose(robot).position_m()).is_some())
     }
 
     /// How many rays about which the map is asked have a reading.
     pub(crate) fn asked(&self) -> usize {
-        self.asked.iter().map(|look| look.scan.readings.iter().flatten().count()).sum()
+        self.rays.iter().chain(&self.cones).map(|look| look.scan.readings.iter().flatten().count()).sum()
     }
 }
 
