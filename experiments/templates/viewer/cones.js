@@ -38,7 +38,9 @@ function drawFan(pen, { world, drawRays }, view, sensor, scan) {
     });
     stroke(pen, [[css(sensor.ink, 0.16), 1]]);
   }
-  const reach = Math.max(...far.filter((range) => range !== null && range < border), 1);
+  // A ray that went astray makes the field of view no larger.
+  const known = far.filter((range) => range !== null && range < border).sort((a, b) => a - b);
+  const reach = Math.max(known[Math.floor(0.95 * (known.length - 1))] ?? 1, 1);
   const [first, last] = [scan.bearings[0], scan.bearings.at(-1)];
   const allRound = Math.abs(last - first) > 1.9 * Math.PI;
   pen.beginPath();

@@ -99,7 +99,7 @@ showStrip = function () {
     return;
   }
   const kept = shown;
-  const alone = once(sensor, () => ({ ...world, scans: sensor, ground: { ...ground, scans: [...sensor.at.values()] } }));
+  const alone = once(sensor.at, () => ({ ...world, scans: sensor, ground: { ...ground, scans: [...sensor.at.values()] } }));
   shown = { ...kept, world: alone, scan: now, ground: alone.ground };
   stripOfOne();
   shown = kept;
