@@ -78,7 +78,7 @@ const CLOUD_STYLE: &str = include_str!("../templates/cloud.css");
 /// Follows particles.
 const CLOUD: &str = include_str!("../templates/cloud.js");
 
-/// Looks into maps.
+/// Looks into maps ...
 const VIEWER: &str = concat!(
     include_str!("../templates/viewer/decode.js"),
     include_str!("../templates/viewer/world.js"),
@@ -90,8 +90,23 @@ const VIEWER: &str = concat!(
     include_str!("../templates/viewer/curve.js"),
     include_str!("../templates/viewer/choices.js"),
     include_str!("../templates/viewer/show.js"),
-    include_str!("../templates/viewer/controls.js"),
 );
+
+/// ... with several sensors, of pages that have them alone, so that others stay the same to the byte ...
+const SENSORS: &str = concat!(
+    include_str!("../templates/viewer/sensors.js"),
+    include_str!("../templates/viewer/cones.js"),
+    include_str!("../templates/viewer/switches.js"),
+);
+
+/// ... and starts.
+const CONTROLS: &str = include_str!("../templates/viewer/controls.js");
+
+/// The script of a viewer with these worlds.
+fn script(viewer: &str) -> String {
+    let several = if encoding::has_sensors(viewer) { SENSORS } else { "" };
+    [VIEWER, several, CONTROLS].concat()
+}
 
 #[derive(Template)]
 #[template(path = "report.html")]
@@ -148,7 +163,8 @@ pub fn page(page: &Page) -> Result<String, Failure> {
         failed: page.claims.iter().filter(|claim| !claim.holds).count(),
         page,
         style: [STYLE, page.cloud.as_ref().map_or("", |_| CLOUD_STYLE)].concat(),
-        script: [TABLES, viewer.as_ref().map_or("", |_| VIEWER), page.cloud.as_ref().map_or("", |_| CLOUD)].concat(),
+        script: [TABLES, &viewer.as_deref().map(script).unwrap_or_default(), page.cloud.as_ref().map_or("", |_| CLOUD)]
+            .concat(),
         glossary: spoken_of(page),
         version: env!("CARGO_PKG_VERSION"),
         viewer,

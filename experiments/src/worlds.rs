@@ -4,6 +4,7 @@ pub(crate) mod agreement;
 pub mod aligned;
 pub mod bins;
 pub mod bound;
+pub mod carried;
 pub mod claims;
 pub mod condition;
 pub mod criteria;

@@ -115,3 +115,36 @@ fn every_scan_has_its_maps_and_metrics_and_its_readings() {
         assert!(agrees, "{page:?} {row:?}");
     }
 }
+
+#[test]
+fn a_world_of_several_sensors_shows_each_and_one_of_a_camera_stays_as_it_is() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let laser = "[[sensor]]\nkind = \"laser\"\nname = \"beam\"\nbeams = 20\nmax_range = 8.0\n";
+    let ring = "[[sensor]]\nkind = \"sonar\"\nname = \"ring\"\ncones = 6\nfield_of_view_deg = 360.0\nmax_range = 3.0\nevery = 2\n";
+    let page = |name: &str, scene: String| {
+        fs::write(folder.path().join(name), scene).expect("writable");
+        let mut command = Command::cargo_bin("experiments").expect("built");
+        command.current_dir(folder.path()).args(["room", "--scene", name, "--mappers", "visibility", "--out", "o"]);
+        command.assert().success();
+        fs::read_to_string(folder.path().join("o/report.html")).expect("readable")
+    };
+    let camera = include_str!("browser/closet.toml").to_owned();
+    let one = page("camera.toml", camera.clone());
+    assert!(!one.contains("viewer-sensors") && !one.contains("\"sensors\""), "the page of a camera is what it was");
+    assert!(decoded(&one).expect("a viewer")[0].sensors.is_empty());
+    let all = page("all.toml", format!("{camera}{laser}{ring}"));
+    assert!(all.contains("viewer-sensors"));
+    let world = decoded(&all).expect("a viewer").remove(0);
+    let names: Vec<&str> = world.sensors.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names, ["beam", "ring"], "the camera is the robot's own scan");
+    let table = rows(&folder.path().join("o/scans.csv"));
+    let of = |sensor: &str| table.iter().filter(|row| &row[6] == sensor).count();
+    assert_eq!([of("1"), of("2")], [world.sensors[0].1.len(), world.sensors[1].1.len()], "a place for every beam");
+    // Readings as the table has them, to the step of the page.
+    let range = |row: &csv::StringRecord| row[8].parse::<f64>().ok().filter(|range| range.is_finite());
+    let (read, shown) = (table.iter().filter(|row| &row[6] == "1").map(range), &world.sensors[0].1);
+    for (expected, shown) in read.zip(shown) {
+        assert_eq!(expected.is_some(), shown.is_some());
+        assert!(expected.zip(*shown).is_none_or(|(a, b)| (a - b).abs() < 0.006), "{expected:?} {shown:?}");
+    }
+}

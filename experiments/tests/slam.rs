@@ -289,3 +289,129 @@ fn worlds_are_scored_by_grid_by_landmarks_and_by_both() {
     let (text, _) = run(folder.path(), 0, &[&args[..], &["--weights", "landmarks"]].concat());
     assert!(text.contains("landmarks"), "{text}");
 }
+
+/// The drive as a table of two sensors, to which the beams of the laser are dealt; by the function, which of them each beam is of.
+fn dealt(sensor: impl Fn(usize) -> usize) -> String {
+    let whole = table(true, |_, time_s| time_s);
+    let beams = DRIVE.scans[0].readings.len();
+    let mut lines = whole.lines();
+    let mut text = format!("{},sensor\n", lines.next().expect("a head"));
+    for (number, row) in lines.enumerate() {
+        let _ = writeln!(text, "{row},{}", sensor(number % beams));
+    }
+    text
+}
+
+/// Times and places of a trajectory.
+fn places(folder: &Path) -> Vec<[f64; 3]> {
+    let text = fs::read_to_string(folder.join("trajectory.txt")).expect("readable");
+    let row = |line: &str| {
+        let fields: Vec<f64> = line.split(' ').map(|field| field.parse().expect("a number")).collect();
+        [fields[0], fields[1], fields[2]]
+    };
+    text.lines().map(row).collect()
+}
+
+#[test]
+fn beams_that_are_dealt_to_two_sensors_give_the_way_of_the_one() {
+    let folder = place();
+    let path = folder.path();
+    fs::write(path.join("named.csv"), dealt(|_| 7)).expect("writable");
+    fs::write(path.join("two.csv"), dealt(|beam| 3 + beam % 2)).expect("writable");
+    let slam = |log: &str, out: &str| {
+        let args = ["slam", log, "--particles", "5", "--max-range", "20", "--window", "0,25", "--out", out];
+        run(path, 0, &args).0
+    };
+    slam("drive.csv", "one");
+    slam("named.csv", "named");
+    let text = slam("two.csv", "two");
+    let bytes = |out: &str, name: &str| fs::read(path.join(out).join(name)).expect("readable");
+    for name in ["trajectory.txt", "updates.csv", "map.npy"] {
+        assert!(bytes("one", name) == bytes("named", name), "{name}: a sensor with a number is one sensor");
+    }
+    let [one, two] = ["one", "two"].map(|out| places(&path.join(out)));
+    assert_eq!(one.len(), two.len());
+    for (a, b) in one.iter().zip(&two) {
+        assert!((a[0] - b[0]).abs() < 1e-9 && (a[1] - b[1]).hypot(a[2] - b[2]) < 1e-3, "{a:?} {b:?}");
+    }
+    assert!(text.contains("3 a laser at (0.00, 0.00) m, 0 deg:") && text.contains("4 a laser"), "{text}");
+    let record: serde_json::Value = serde_json::from_slice(&bytes("two", "run.json")).expect("JSON");
+    assert_eq!(record["configuration"]["mounts"]["4"], serde_json::json!([0.0, 0.0, 0.0]));
+    assert!(record["configuration"]["sensors"]["3"]["hit"].is_number());
+    let page = String::from_utf8(bytes("two", "report.html")).expect("text");
+    assert!(page.contains("Sensors of the robot"));
+    let page = String::from_utf8(bytes("one", "report.html")).expect("text");
+    assert!(!page.contains("Sensors of the robot"));
+}
+
+#[test]
+fn a_sensor_of_which_nobody_knows_where_it_stands_is_refused() {
+    let folder = place();
+    // The second sensor reads when the first does no more.
+    let whole = table(true, |_, time_s| time_s);
+    let mut lines = whole.lines();
+    let mut text = format!("{},sensor\n", lines.next().expect("a head"));
+    for row in lines {
+        let scan: usize = row.split(',').next().and_then(|scan| scan.parse().ok()).expect("a number");
+        if !(50..70).contains(&scan) {
+            let _ = writeln!(text, "{row},{}", usize::from(scan >= 70));
+        }
+    }
+    fs::write(folder.path().join("apart.csv"), text).expect("writable");
+    let (out, err) = run(folder.path(), 2, &["slam", "apart.csv", "--max-range", "20", "--out", "o"]);
+    assert!(err.contains("apart.csv: sensor 1 never reads within 1 s of sensor 0") && out.is_empty(), "{err}");
+    assert!(!folder.path().join("o").exists());
+}
+
+/// An office with a stereo camera and a laser.
+const OFFICE: &str = include_str!("../../scenes/office-glass.toml");
+
+const RING: &str =
+    "[[sensor]]\nkind = \"sonar\"\nname = \"ring\"\ncones = 8\nfield_of_view_deg = 360.0\nmax_range = 3.0\nevery = 2\n";
+
+#[test]
+fn a_laser_beside_the_camera_finds_the_way_better_and_sonars_do_it_no_harm() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path();
+    let (before, rest) = OFFICE.split_once("[[sensor]]").expect("a laser");
+    let (laser, after) = rest.split_once("[robot]").expect("a robot");
+    let scene = |sensors: &str| format!("{before}{sensors}[robot]{after}\n[odometry]\n");
+    let laser = format!("[[sensor]]{laser}");
+    fs::write(path.join("camera.toml"), scene("")).expect("writable");
+    fs::write(path.join("both.toml"), scene(&laser)).expect("writable");
+    fs::write(path.join("all.toml"), scene(&format!("{laser}{RING}"))).expect("writable");
+    let found = |scene: &str, weight: &str| {
+        let (out, file) = (format!("{scene}-{weight}"), format!("{scene}.toml"));
+        let args = ["slam", &file, "--particles", "5", "--weight", weight, "--seed", "2", "--out", &out];
+        let (text, err) = run(path, 0, &args);
+        assert!(!err.contains("warning"), "{err}");
+        let [slam, odometry] = ["slam", "odometry"].map(|name| mean(&path.join(&out), name, "ate"));
+        (slam, odometry, text)
+    };
+    let [camera, both, all] = ["camera", "both", "all"].map(|scene| found(scene, "field"));
+    let evidence = found("all", "evidence");
+    assert!(both.0 < 0.5 * camera.0, "{} m with a laser, {} m by the camera alone", both.0, camera.0);
+    for (with, odometry, _) in [&both, &all, &evidence] {
+        assert!(*with < 0.03 && *with < 0.5 * odometry, "{with} m, the odometry {odometry} m");
+    }
+    assert!(all.2.contains("1 laser at (0.10, 0.00) m, 0 deg:") && all.2.contains("weighs and is mapped"), "{}", all.2);
+    let record = fs::read_to_string(path.join("all-field/run.json")).expect("readable");
+    let record: serde_json::Value = serde_json::from_str(&record).expect("JSON");
+    assert_eq!(record["configuration"]["mounts"]["1"], serde_json::json!([0.1, 0.0, 0.0]));
+    let page = fs::read_to_string(path.join("all-field/report.html")).expect("readable");
+    assert!(page.contains("Sensors of the robot") && page.contains("ring"));
+}
+
+#[test]
+fn worlds_are_driven_through_with_both_sensors_too() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let args = ["slam-worlds", "--families", "clutter", "--seeds", "1", "--sensors", "stereo,stereo+laser,own"];
+    let more = ["--particles", "3", "--weights", "field", "--format", "csv"];
+    let (out, _) = run(folder.path(), 0, &[&args[..], &more].concat());
+    let rows: Vec<Vec<&str>> = out.lines().skip(1).map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows.iter().map(|row| row[2]).collect::<Vec<_>>(), ["stereo", "stereo+laser", "own"]);
+    let ates: Vec<f64> = rows.iter().map(|row| row[5].parse().expect("a number")).collect();
+    assert!(ates[1] < ates[0], "a laser helps: {ates:?}");
+    // The family has no other sensor than its camera.
+    assert_eq!(rows[0][5..], rows[2][5..]);
+}

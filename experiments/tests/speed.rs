@@ -320,3 +320,89 @@ fn growth_has_a_time_for_every_size_of_every_mapper() {
     let paper = experiments::figures::Paper::default();
     assert!(paper.png(&growth::draw(&curves, &paper)).expect("drawn").starts_with(b"\x89PNG"));
 }
+
+/// Two times at which a camera, a laser and a sonar read, the laser at one of them alone.
+const KINDS: &str = "scan,time_s,x_m,y_m,theta_rad,bearing_rad,sensor,disparity_px,range_m,sonar_m
+0,0.0,0.5,0.5,0.0,-0.2,0,10.0,,
+0,0.0,0.5,0.5,0.0,0.2,0,7.5,,
+0,0.0,0.6,0.5,0.0,0.0,4,,2.0,
+0,0.0,0.6,0.5,0.0,0.5,4,,inf,
+0,0.0,0.5,0.5,0.0,1.0,5,,,1.5
+1,0.5,0.7,0.5,0.0,-0.2,0,11.0,,
+1,0.5,0.7,0.5,0.0,0.2,0,,,
+1,0.5,0.7,0.5,0.0,1.0,5,,,1.5
+";
+
+#[test]
+fn sensors_of_several_kinds_are_measured_together_and_apart() {
+    let folder = with(KINDS);
+    let base = ["--scans", "scans.csv", "--grid", "0.1", "--repeats", "1", "--mappers", "visibility,log-odds-octomap"];
+    let found = json(folder.path(), &[&base[..], &["--format", "json", "--out", "o"]].concat());
+    let rows = found["rows"].as_array().expect("rows");
+    assert_eq!(rows.len(), 2, "a row of all sensors for every mapper");
+    assert_eq!((&rows[0]["rays"], &rows[0]["scans"]), (&json!(6), &json!(5)));
+    let apart = found["by_sensor"].as_array().expect("rows");
+    let of = |row: &Value| (row["sensor"].clone(), row["mapper"].clone(), row["rays"].clone(), row["scans"].clone());
+    let expected: Vec<_> = [("0 stereo", 3, 2), ("4 laser", 1, 1), ("5 sonar", 2, 2)]
+        .into_iter()
+        .flat_map(|(sensor, rays, scans)| {
+            let row = move |mapper: &str| (json!(sensor), json!(mapper), json!(rays), json!(scans));
+            ["visibility", "log-odds-octomap"].map(row)
+        })
+        .collect();
+    assert_eq!(apart.iter().map(of).collect::<Vec<_>>(), expected);
+    let visited = |rows: &[Value]| rows.iter().filter_map(|row| row["cells_visited"].as_u64()).sum::<u64>();
+    assert_eq!(visited(rows), visited(apart), "the cells of all are those of each");
+    assert!(apart.iter().all(|row| row["ns_per_cell"].as_f64().is_some_and(|ns| ns > 0.0)), "{found}");
+    let table = fs::read_to_string(folder.path().join("o/by-sensor.csv")).expect("written");
+    assert_eq!(table.lines().count(), 1 + 6, "{table}");
+    let (text, _) = checked(0, &"text", &speed(folder.path(), &base));
+    assert!(text.contains("The scans of each sensor without the others") && text.contains("5 sonar"), "{text}");
+    assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
+}
+
+#[test]
+fn scans_of_several_kinds_stand_together_and_are_what_they_are() {
+    let set = load(KINDS, Kernel::Stereo).expect("three sensors");
+    let found: Vec<_> = set.scans.iter().map(|scan| (scan.sensor, scan.readings.clone())).collect();
+    let infinite = f64::INFINITY;
+    assert_eq!(
+        found,
+        [
+            (0, vec![Some(10.0), Some(7.5)]),
+            (1, vec![Some(2.0), Some(infinite)]),
+            (2, vec![Some(1.5)]),
+            (0, vec![Some(11.0), None]),
+            (2, vec![Some(1.5)]),
+        ]
+    );
+    assert_eq!(mapper::moments(&set.scans).map(<[_]>::len).collect::<Vec<_>>(), [3, 2]);
+    assert_eq!(set.called().collect::<Vec<_>>(), ["0 stereo", "4 laser", "5 sonar"]);
+    // Of a laser and a camera `--sensor laser` changes nothing.
+    let laser = load(KINDS, Kernel::Laser).expect("three sensors");
+    assert_eq!(laser.scans, set.scans);
+}
+
+#[test]
+fn a_scene_is_driven_through_with_all_of_its_sensors() {
+    let folder = TempDir::new().expect("temporary folder");
+    let scene = include_str!("browser/closet.toml").to_owned()
+        + "[[sensor]]\nkind = \"laser\"\nname = \"beam\"\nbeams = 20\nmax_range = 8.0\n";
+    fs::write(folder.path().join("closet.toml"), scene).expect("writable");
+    let arguments = [
+        "--scans",
+        "closet.toml",
+        "--grid",
+        "0.1",
+        "--repeats",
+        "1",
+        "--mappers",
+        "log-odds-octomap",
+        "--format",
+        "json",
+    ];
+    let found = json(folder.path(), &arguments);
+    let sensors: Vec<&str> =
+        found["by_sensor"].as_array().expect("rows").iter().filter_map(|row| row["sensor"].as_str()).collect();
+    assert_eq!(sensors, ["camera", "beam"]);
+}

@@ -136,7 +136,7 @@ impl Carmen {
         message.time_s = fields.number("time", LATE_S)?;
         let mount = self.parameters.laser(message.laser).mount(message.laser);
         let mut recorded = self.recorded(&message, report)?;
-        (recorded.scan.pose, recorded.mount, recorded.odometry, recorded.placed) = (pose, mount, odometry, true);
+        (recorded.scan.pose, recorded.mount, recorded.odometry, recorded.placed) = (pose, Some(mount), odometry, true);
         Ok(recorded)
     }
 
@@ -176,7 +176,7 @@ impl Carmen {
         fields.skip(5); // velocities, safety distances, turn_axis
         message.time_s = fields.number("time", LATE_S)?;
         let mut recorded = self.recorded(&message, report)?;
-        (recorded.scan.pose, recorded.mount, recorded.placed) = (laser, seen_from(robot, laser), true);
+        (recorded.scan.pose, recorded.mount, recorded.placed) = (laser, Some(seen_from(robot, laser)), true);
         Ok(recorded)
     }
 
@@ -191,7 +191,7 @@ impl Carmen {
         let laser = self.parameters.laser(message.laser);
         let new = !self.names.iter().any(|name| name == message.name);
         let mut recorded = self.recorded(&message, report)?;
-        recorded.mount = laser.mount(message.laser);
+        recorded.mount = Some(laser.mount(message.laser));
         if new && message.laser > 1 && !laser.is_mounted() {
             let taken = if message.laser == 2 { "in its middle, looking back" } else { "in its middle, looking ahead" };
             report.noted.push(Finding::GuessedMount { sensor: message.name.to_owned(), taken });
@@ -275,7 +275,7 @@ impl Carmen {
         }
         let of = |(k, (mount, reading)): (usize, (Pose, Option<f64>))| {
             let scan = Scan { time_s, bearings_rad: vec![0.0], readings: vec![reading], ..Scan::default() };
-            Recorded { scan, mount, follows: k > 0, ..Recorded::of(self.sonars[k], kind, line) }
+            Recorded { scan, mount: Some(mount), follows: k > 0, ..Recorded::of(self.sonars[k], kind, line) }
         };
         Ok(mounts.into_iter().zip(readings).enumerate().map(of).collect())
     }
@@ -290,7 +290,7 @@ impl Carmen {
 
     fn placed(&mut self, laser: u8, recorded: Recorded, report: &mut Report, out: &mut VecDeque<Recorded>) {
         let robot = (recorded.scan.time_s, robot(&recorded));
-        self.waiting.placed(laser, recorded.mount, robot, report);
+        self.waiting.placed(laser, recorded.mount.unwrap_or_default(), robot, report);
         if self.is_said_again(laser, &recorded) {
             report.said_again += 1;
             return report.skip(&self.names[recorded.sensor]);
@@ -318,7 +318,7 @@ impl Carmen {
 /// Whether a scan's pose is that of the odometry, or of the laser on it.
 fn is_odometry(recorded: &Recorded, odometry: Pose) -> bool {
     let pose = recorded.scan.pose;
-    is_same(odometry, pose) || is_same(mounted(odometry, recorded.mount), pose)
+    is_same(odometry, pose) || is_same(mounted(odometry, recorded.mount.unwrap_or_default()), pose)
 }
 
 fn is_same(a: Pose, b: Pose) -> bool {
@@ -327,7 +327,7 @@ fn is_same(a: Pose, b: Pose) -> bool {
 
 /// Where the robot stood whose laser has this pose. Some programs write the robot's pose for the laser's, which then is the odometry.
 fn robot(recorded: &Recorded) -> Pose {
-    let (mount, pose) = (recorded.mount, recorded.scan.pose);
+    let (mount, pose) = (recorded.mount.unwrap_or_default(), recorded.scan.pose);
     match recorded.odometry {
         Some(odometry) if is_same(odometry, pose) => pose,
         _ => mounted(pose, seen_from(mount, Pose::default())),
@@ -459,7 +459,7 @@ mod tests {
             assert_eq!((scan.time_s, scan.pose), (77.5, Pose { x_m: 1.0, y_m: 3.0, theta_rad: 1.6 }));
             assert_eq!(recorded.kind, Sensor::Laser { max_range_m: 5.5, beams: 3 });
             // The robot looks along y, and the laser stands 1 m further along y: 1 m before the robot.
-            let mount = recorded.mount;
+            let mount = recorded.mount.expect("told");
             assert!((mount.x_m - 1.0).abs() < 1e-12 && mount.y_m.abs() < 1e-12, "{mount:?}");
             assert!((mount.theta_rad - (1.6 - FRAC_PI_2)).abs() < 1e-12, "{mount:?}");
         }

@@ -79,7 +79,7 @@ impl Choice {
             };
             scan.pose = match body {
                 Body::Sensor => mounted(pose, from_reference),
-                Body::Robot => mounted(pose, mount),
+                Body::Robot => mounted(pose, mount.unwrap_or_default()),
             };
         } else if !placed {
             report.sensors.entry(sensor).or_default().without_pose += 1;
@@ -98,7 +98,7 @@ impl Choice {
             return None;
         }
         report.kept += 1;
-        Some(Event { scan, sensor, kind, odometry, line })
+        Some(Event { scan, sensor, kind, mount, odometry, line })
     }
 }
 

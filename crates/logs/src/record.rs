@@ -36,7 +36,10 @@ pub struct Event {
     pub sensor: usize,
     /// What that is.
     pub kind: Sensor,
-    /// Pose of the robot by its odometry, where the log has one.
+    /// Where the sensor stands on the robot, as far as the log tells: of a bag by its transforms or options, of a CARMEN log by its
+    /// parameters, its lines of sonars, or as is usual for the laser; none of a table.
+    pub mount: Option<Pose>,
+    /// Pose of the robot by its odometry, where the log has one; of a bag, that of the sensor on it.
     pub odometry: Option<Pose>,
     /// The line it begins on, from 1.
     pub line: u64,
@@ -48,8 +51,8 @@ pub(crate) struct Recorded {
     pub(crate) scan: Scan,
     pub(crate) sensor: usize,
     pub(crate) kind: Sensor,
-    /// Where the sensor stands on the robot.
-    pub(crate) mount: Pose,
+    /// Where the sensor stands on the robot; none where the log does not tell, and it is taken to stand in the middle.
+    pub(crate) mount: Option<Pose>,
     /// The sensor, seen from the one whose poses a trajectory of [`Body::Sensor`](crate::Body::Sensor) has: from itself, but for sonars beside a laser.
     pub(crate) from_reference: Pose,
     pub(crate) odometry: Option<Pose>,
@@ -74,7 +77,7 @@ impl Recorded {
             scan: Scan::default(),
             sensor,
             kind,
-            mount: Pose::default(),
+            mount: None,
             from_reference: Pose::default(),
             odometry: None,
             placed: false,

@@ -1,5 +1,6 @@
 //! The Rao-Blackwellised particle filter (Doucet et al., UAI 2000; for grids Grisetti, Stachniss and Burgard 2007).
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use grid::GridSpec;
@@ -12,10 +13,10 @@ use sensor::{FeatureCamera, FeatureReading, Pose, Scan, Step};
 use crate::features::{Association, Beside, FeatureOptionsError, Landmark, confirmed};
 use crate::motion::Motion;
 use crate::options::{Options, OptionsError};
-use crate::particle::{Particle, Shared};
+use crate::particle::{MOST, Particle, Shared};
 use crate::random::{ALL, stream};
 use crate::resampling::{effective, low_variance, normalised};
-use crate::sight::Sight;
+use crate::sight::{Mounted, Sight};
 use crate::surfaces::Surfaces;
 use crate::trajectory::{self, Row};
 
@@ -81,8 +82,11 @@ pub struct Slam {
     unseen: Box<dyn Mapper>,
     particles: Vec<Particle>,
     rows: Vec<Row>,
-    /// The odometry at the last update.
+    /// The odometry at the last update that was matched or drawn, and at the last in which each sensor took part.
     last: Pose,
+    taken: BTreeMap<usize, Pose>,
+    /// The odometry at the last update with a sensor whose readings can be matched.
+    matched: Option<Pose>,
     updates: Vec<Update>,
     /// Updates in a row that the map explains worse than none.
     unexplained: usize,
@@ -146,6 +150,8 @@ impl Slam {
             particles: vec![first],
             rows: Vec::new(),
             last: Pose::default(),
+            taken: BTreeMap::new(),
+            matched: None,
             updates: Vec::new(),
             unexplained: 0,
             passed_over: Vec::new(),
@@ -165,36 +171,73 @@ impl Slam {
         Ok(self)
     }
 
-    /// Takes the next scan, with the pose of its sensor by the odometry; the pose of the scan does not matter. Tells what came of it, if
-    /// it was one that updates the filter.
+    /// Takes the next scan of a robot with one sensor, with the pose of the sensor by the odometry; the pose of the scan does not matter.
+    /// Tells what came of it, if it was one that updates the filter.
+    ///
+    /// # Panics
+    /// If the scan names a sensor that the model does not have.
     pub fn take(&mut self, scan: &Scan, odometry: Pose) -> Option<Update> {
         self.take_with(scan, &[], odometry)
     }
 
     /// As [`take`](Self::take), with the features that the camera read there; they count where they are looked at
     /// ([`beside`](Self::beside)), of the scans that update the filter.
+    ///
+    /// # Panics
+    /// As [`take`](Self::take).
     pub fn take_with(&mut self, scan: &Scan, readings: &[FeatureReading], odometry: Pose) -> Option<Update> {
+        self.take_together(&[Mounted { scan, mount: Pose::default() }], readings, odometry)
+    }
+
+    /// As [`take_with`](Self::take_with), of what several sensors read at one time, in the order of their numbers, with the pose of the
+    /// robot by the odometry: one scan, which updates the filter once the robot has moved far enough since one of its sensors took part in
+    /// an update. Readings of rays are matched and weigh particles; those of cones ([`Kernel::width_rad`](sensor::Kernel::width_rad)) weigh
+    /// them by the map's evidence, and are not matched, since nobody knows at which bearing they ended.
+    ///
+    /// # Panics
+    /// As [`take`](Self::take), and where there is no scan.
+    pub fn take_together(&mut self, scans: &[Mounted], readings: &[FeatureReading], odometry: Pose) -> Option<Update> {
+        assert!(!scans.is_empty(), "at least one sensor has read");
         let step = Step::between(self.last, odometry);
-        let near =
-            step.distance_m.abs() < self.options.update_move_m && step.turn_rad().abs() < self.options.update_turn_rad;
-        let first = self.rows.is_empty();
-        if near && !first {
+        let is_near = |sensor: usize| {
+            let Some(taken) = self.taken.get(&sensor) else { return false };
+            let step = Step::between(*taken, odometry);
+            step.distance_m.abs() < self.options.update_move_m && step.turn_rad().abs() < self.options.update_turn_rad
+        };
+        let time_s = scans[0].scan.time_s;
+        if scans.iter().all(|mounted| is_near(mounted.scan.sensor)) {
             let updates = self.updates.len();
-            self.rows.push(Row { time_s: scan.time_s, odometry, updates });
+            self.rows.push(Row { time_s, odometry, updates });
             return None;
         }
-        let sight = Sight::new(scan, &**self.sensors.of(scan), &self.options);
-        let update = if first {
+        let sight = Sight::new(scans, &self.sensors, &self.options);
+        let update = if self.rows.is_empty() {
             Some(self.begin(&sight, readings, odometry))
         } else {
             self.update(&sight, readings, odometry, step)
         };
         if update.is_some() {
-            self.last = odometry;
+            if !self.follows(&sight, odometry) {
+                self.last = odometry;
+            }
+            if sight.can_match {
+                self.matched = Some(odometry);
+            }
+            self.taken.extend(scans.iter().map(|mounted| (mounted.scan.sensor, odometry)));
         }
         self.updates.extend(update);
-        self.rows.push(Row { time_s: scan.time_s, odometry, updates: self.updates.len() });
+        self.rows.push(Row { time_s, odometry, updates: self.updates.len() });
         update
+    }
+
+    /// Whether poses follow the odometry at an update that cannot be matched, since one was matched not far back: what is drawn between two matches
+    /// the second could not take back, and what is not drawn it can look for.
+    fn follows(&self, sight: &Sight, odometry: Pose) -> bool {
+        !sight.can_match
+            && self.matched.is_some_and(|matched| {
+                let step = Step::between(matched, odometry);
+                step.distance_m.abs() < MOST[0] && step.turn_rad().abs() < MOST[1]
+            })
     }
 
     /// The first scan: all particles are where the odometry says, and share one map.
@@ -208,7 +251,7 @@ impl Slam {
         let copies: Vec<Particle> = (1..self.options.particles).filter_map(|_| self.particles[0].fork()).collect();
         self.particles.extend(copies);
         Update {
-            time_s: sight.scan.time_s,
+            time_s: sight.time_s,
             pose: odometry,
             effective: self.particles.len() as f64,
             resampled: false,
@@ -229,7 +272,8 @@ impl Slam {
             .collect();
         let beside = self.features.as_ref().map(|(camera, rules)| Beside { camera, rules, readings });
         let (options, motion) = (&self.options, &*self.motion);
-        let shared = Shared { options, motion, sight, beside, odometry, step, points: &points };
+        let follows = self.follows(sight, odometry);
+        let shared = Shared { options, motion, sight, beside, odometry, step, follows, points: &points };
         self.particles.par_iter_mut().enumerate().for_each(|(k, particle)| {
             particle.find(&shared, &mut stream(seed, number, k as u32));
         });
@@ -239,21 +283,21 @@ impl Slam {
         let heaviest = heaviest(&logs);
         let best = &self.particles[heaviest];
         let (pose, matched) = (best.found.pose, best.found.matched);
-        let unseen = self.unseen.evidence(&sight.asked_from(pose));
+        let unseen = sight.evidence(&*self.unseen, pose);
         let gain = best.found.evidence.zip(unseen).filter(|_| sight.asked() > 0);
         let gain = gain.map(|(known, unknown)| (known - unknown) / sight.asked() as f64);
         if gain.is_some_and(|gain| gain < COLLAPSE) && self.in_a_row < PATIENCE {
             self.in_a_row += 1;
-            self.passed_over.push(sight.scan.time_s);
+            self.passed_over.push(sight.time_s);
             return None;
         }
         self.in_a_row = 0;
-        self.particles.par_iter_mut().for_each(|particle| particle.accept(sight, odometry));
+        self.particles.par_iter_mut().for_each(|particle| particle.accept(sight, odometry, follows));
         let carried_away = self.is_carried_away(gain);
         let effective = effective(&weights);
         let resampled = effective < 0.5 * self.particles.len() as f64;
         let update = Update {
-            time_s: sight.scan.time_s,
+            time_s: sight.time_s,
             pose,
             effective,
             resampled,

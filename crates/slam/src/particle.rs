@@ -24,7 +24,7 @@ const SIGMAS: f64 = 3.0;
 const LEAST: [f64; 2] = [0.15, 0.05];
 
 /// ... but no farther than this.
-const MOST: [f64; 2] = [1.0, 0.5];
+pub(crate) const MOST: [f64; 2] = [1.0, 0.5];
 
 /// So far beyond the window the way uphill and points round its end may lead, m and rad.
 const BEYOND: [f64; 2] = [0.2, 0.02];
@@ -47,8 +47,9 @@ pub(crate) struct Particle {
     updated: Option<Landmarks>,
     /// Where the odometry's frame lies.
     pub(crate) frame: Frame,
-    /// Poses at the scans that updated the filter.
+    /// Poses at the scans that updated the filter, and the last of them that was matched or drawn.
     pub(crate) path: Vec<Pose>,
+    anchor: Pose,
     /// Logarithm of the weight since the last resampling, and since the start.
     pub(crate) log_weight: f64,
     pub(crate) log_total: f64,
@@ -77,8 +78,10 @@ pub(crate) struct Shared<'a> {
     /// The features that were read with the scan, where they are looked at.
     pub(crate) beside: Option<Beside<'a>>,
     pub(crate) odometry: Pose,
-    /// The way since the last update by the odometry.
+    /// The way by the odometry since the last update that was matched or drawn.
     pub(crate) step: Step,
+    /// Whether the pose is to follow the odometry, until it can be matched.
+    pub(crate) follows: bool,
     /// Standard normal points, the same for all particles, so that weights do not differ by the luck of their points.
     pub(crate) points: &'a [[f64; 3]],
 }
@@ -93,6 +96,7 @@ impl Particle {
             updated: None,
             frame: Frame::SAME,
             path: Vec::new(),
+            anchor: Pose::default(),
             log_weight: 0.0,
             log_total: 0.0,
             found: Found::default(),
@@ -118,13 +122,20 @@ impl Particle {
         let sigmas = shared.motion.sigmas(&shared.step);
         let exact = sigmas.iter().all(|sigma| *sigma <= 0.0);
         let (pose, log_weight) = match shared.options.proposal {
+            _ if shared.follows => {
+                self.found.matched = 0.0;
+                (guess, 0.0)
+            }
             Proposal::Odometry => self.by_odometry(shared, (guess, exact), random),
             Proposal::Matched => match self.by_matching(shared, guess, sigmas, random) {
                 Some(matched) => matched,
                 None => self.by_odometry(shared, (guess, exact), random),
             },
         };
-        self.found.evidence = self.map.evidence(&shared.sight.asked_from(pose));
+        let rays = shared.sight.evidence_of_rays(&*self.map, pose);
+        let cones = shared.sight.evidence_of_cones(&*self.map, pose);
+        self.found.evidence = rays.zip(cones).map(|(rays, cones)| rays + cones);
+        let log_weight = log_weight + self.weight_of_cones(shared, pose, cones);
         (self.found.pose, self.found.log_weight) = (pose, log_weight + self.look(shared.beside, pose));
     }
 
@@ -138,18 +149,23 @@ impl Particle {
     }
 
     /// Takes what was found for true, and maps the scan from there.
-    pub(crate) fn accept(&mut self, sight: &Sight, odometry: Pose) {
+    pub(crate) fn accept(&mut self, sight: &Sight, odometry: Pose, follows: bool) {
         self.log_weight += self.found.log_weight;
         self.log_total += self.found.log_weight;
         self.landmarks = self.updated.take().unwrap_or_default();
+        let anchor = self.anchor;
         self.take(sight, odometry, self.found.pose);
+        if follows {
+            self.anchor = anchor;
+        }
     }
 
-    /// Maps a scan from a pose.
+    /// Maps the scans of one time from a pose.
     pub(crate) fn take(&mut self, sight: &Sight, odometry: Pose, pose: Pose) {
         self.frame = Frame::taking(odometry, pose);
         self.path.push(pose);
-        self.map.integrate(&sight.from(pose));
+        self.anchor = pose;
+        self.map.integrate_together(&sight.from(pose));
         for end in &sight.ends {
             self.surfaces.add(placed(pose, end));
         }
@@ -158,8 +174,9 @@ impl Particle {
     /// A pose drawn from the odometry, and the logarithm of what the scan says of it.
     fn by_odometry(&mut self, shared: &Shared, (guess, exact): (Pose, bool), random: &mut ChaCha8Rng) -> (Pose, f64) {
         self.found.matched = 0.0;
-        let last = self.path.last().copied().unwrap_or_default();
-        let pose = if exact { guess } else { shared.motion.draw(&shared.step, random).end(last) };
+        // A single particle stays in the middle of what the odometry allows, where its sensors cannot tell better.
+        let alone = shared.options.particles == 1 && !shared.sight.can_match;
+        let pose = if exact || alone { guess } else { shared.motion.draw(&shared.step, random).end(self.anchor) };
         let log_weight = match shared.options.weight {
             Weight::Field { power } => {
                 let field = self.field(shared, pose, [0.0; 2], false);
@@ -218,9 +235,23 @@ impl Particle {
         Field::new(&self.surfaces, &*self.map, shared.options.sharpness, corners, bounds)
     }
 
+    /// What cones, which the pose was not drawn by, weigh it by: the map's evidence there, also where all else is weighed by a field. Nothing of
+    /// a map that does not predict, nor where there are none.
+    fn weight_of_cones(&self, shared: &Shared, pose: Pose, evidence: Option<f64>) -> f64 {
+        let power = match shared.options.weight {
+            Weight::Evidence { power, .. } => power,
+            Weight::Field { .. } => Weight::EVIDENCE.power(),
+        };
+        match evidence {
+            Some(evidence) => power * evidence,
+            None if shared.sight.cones_begin_in(self.surfaces.spec(), pose) => 0.0,
+            None => f64::NEG_INFINITY,
+        }
+    }
+
     /// `ln P(readings | map)` of the rays that the map is asked about; of a map that does not predict, nothing.
     fn evidence(&self, sight: &Sight, pose: Pose) -> f64 {
-        self.map.evidence(&sight.asked_from(pose)).unwrap_or(f64::NEG_INFINITY)
+        sight.evidence_of_rays(&*self.map, pose).unwrap_or(f64::NEG_INFINITY)
     }
 }
 

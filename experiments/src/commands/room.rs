@@ -8,6 +8,7 @@ mod plan;
 mod programs;
 mod record;
 mod recording;
+mod sensors;
 mod summary;
 
 pub use again::page as renewed_page;

@@ -4,11 +4,14 @@ mod along;
 mod document;
 mod figure;
 mod metrics;
+mod mounts;
 mod options;
 mod outputs;
+mod read;
 mod recorded;
 mod returns;
 mod scores;
+mod sensors;
 mod source;
 
 pub use options::SlamOptions;
@@ -44,7 +47,7 @@ pub fn run(mut options: SlamOptions) -> Result<(), Failure> {
     let noise = options.noise();
     let entry = entries(std::slice::from_ref(&options.mapper), &Default::default())?[0];
     let Some(source) = Source::of(&mut options)? else { return Ok(()) };
-    let Source { place, scans, model, truth, camera, report } = source;
+    let Source { place, scans, model, sensors, truth, camera, report } = source;
     let options = &options;
     if let Some((report, sensor)) = &report {
         reading::tell_before_mapping(&place, report);
@@ -69,7 +72,7 @@ pub fn run(mut options: SlamOptions) -> Result<(), Failure> {
     let mut away: Vec<Update> = Vec::new();
     let mut moments: Vec<Moment> = Vec::new();
     for taken in &scans {
-        if let Some(update) = filter.take_with(&taken.scan, &taken.features, taken.odometry) {
+        if let Some(update) = filter.take_together(&taken.mounted(), &taken.features, taken.odometry) {
             away.extend(Some(update).filter(|update| update.carried_away));
             let Update { time_s, effective, resampled, .. } = update;
             moments.push(Moment { time_s, effective, resampled, returned: false, particles: filter.particles() });
@@ -93,6 +96,7 @@ pub fn run(mut options: SlamOptions) -> Result<(), Failure> {
         place: &place,
         scans: &scans,
         model: &model,
+        sensors: &sensors,
         camera,
         sensor: report.as_ref().map(|(_, sensor)| *sensor),
         outcome: &outcome,
@@ -117,7 +121,7 @@ pub fn run(mut options: SlamOptions) -> Result<(), Failure> {
             out.display(),
             start.elapsed().as_secs_f64(),
             seconds,
-            scans.last().map_or(0.0, |last| last.scan.time_s) - scans[0].scan.time_s,
+            scans.last().map_or(0.0, |last| last.time_s()) - scans[0].time_s(),
             bytes.iter().sum::<usize>() as f64 / bytes.len() as f64 / 1e6,
         ));
     }

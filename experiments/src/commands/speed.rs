@@ -1,5 +1,6 @@
 //! `speed`: what every mapper costs on the user's own machine, side by side, on one thread.
 
+mod carrier;
 pub mod file;
 pub mod growth;
 pub mod hall;
@@ -8,18 +9,21 @@ mod options;
 mod outputs;
 mod processor;
 pub mod scans;
+mod simulated;
 pub mod tables;
 pub mod world;
 
 pub use options::SpeedOptions;
 
-use mapper::Model;
 use std::path::{Path, PathBuf};
+
+use mapper::Model;
+use sensor::Scan;
 
 use self::growth::Sizes;
 use self::hall::Hall;
-use self::scans::ScanSet;
-use self::tables::Conditions;
+use self::scans::{ScanSet, Visited};
+use self::tables::{Alone, Conditions};
 use crate::failure::Failure;
 use crate::jobs::interruption;
 use crate::jobs::progress::Count;
@@ -30,6 +34,7 @@ use crate::output::note;
 use crate::output::table;
 use crate::worlds::faults;
 use crate::worlds::mappers::entries;
+use crate::worlds::scenes;
 
 /// Maps the same scans by every mapper with a clock, and prints the time of each.
 ///
@@ -55,8 +60,9 @@ pub fn run(options: &SpeedOptions) -> Result<(), Failure> {
     }
     let programs: Vec<String> = options.programs.programs.iter().map(|program| program.name.to_string()).collect();
     options.world.check(&entries, &programs)?;
-    let set = match &options.scans {
-        Some(path) => file::load(path, options.sensor)?,
+    let set = match options.scans.as_ref().map(|path| scenes::or_file(path)) {
+        Some((scene, true)) => simulated::load(&scene)?,
+        Some((path, false)) => file::load(&path, options.sensor)?,
         None => Hall::new()?.scans(),
     };
     let (setup, conditions) = conditions(options, &set)?;
@@ -72,14 +78,20 @@ pub fn run(options: &SpeedOptions) -> Result<(), Failure> {
 
     let (repeats, sizes) = (options.repeats as usize, Sizes::default());
     let steps = if options.growth { growth::steps(&sizes, entries.len(), repeats) } else { 0 };
-    let progress = Count::measurements(entries.len() * repeats + steps);
+    let parts = apart(&set, &setup);
+    let progress = Count::measurements(entries.len() * repeats * (1 + parts.len()) + steps);
     let step = || progress.step();
     let speeds = measure::measure(&entries, &setup, (&set, options.world), &conditions.visited, repeats, step)?;
+    let alone = parts.into_iter().map(|(sensor, set, visited)| {
+        let speeds = measure::measure(&entries, &setup, (&set, options.world), &visited, repeats, step)?;
+        Ok(Alone { sensor, scans: set.scans.len(), visited, speeds })
+    });
+    let alone = alone.collect::<Result<Vec<Alone>, Failure>>()?;
     let curves = options.growth.then(|| growth::measure(&entries, &sizes, repeats, step)).transpose()?;
     progress.finish();
 
     if let (Some(staging), Some(folder)) = (staging, &options.out) {
-        outputs::write(staging, &speeds, &conditions, curves.as_deref(), &options.paper)?;
+        outputs::write(staging, (&speeds, &alone), &conditions, curves.as_deref(), &options.paper)?;
         note(folder.join("speed.csv").display());
     }
     for speed in &speeds {
@@ -89,19 +101,39 @@ pub fn run(options: &SpeedOptions) -> Result<(), Failure> {
     }
     let table = options.order.of(tables::table(&speeds, &conditions), &tables::HEADS);
     let printed = match (options.print.format, &curves) {
-        (Format::Json, Some(curves)) => {
+        (Format::Json, curves) if curves.is_some() || !alone.is_empty() => {
             let mut json = table.to_json();
-            json["growth"] = growth::table(curves).to_json()["rows"].take();
+            if !alone.is_empty() {
+                json["by_sensor"] = tables::by_sensor(&alone).to_json()["rows"].take();
+            }
+            if let Some(curves) = curves {
+                json["growth"] = growth::table(curves).to_json()["rows"].take();
+            }
             table::print(&format!("{json:#}\n"))
         }
         (format, curves) => table.print(format, || {
             let growth = curves.as_ref().map(|curves| format!("\n{}", growth::text(curves))).unwrap_or_default();
-            tables::text(&speeds, &conditions, &options.order) + &growth
+            let sensors = if alone.is_empty() { String::new() } else { tables::sensors_text(&alone) };
+            tables::text(&speeds, &conditions, &options.order) + &sensors + &growth
         }),
     };
     printed?;
     let faults = speeds.iter().filter_map(|speed| Some(format!("{}: {}", speed.mapper, speed.fault()?)));
     faults::none(&faults.collect::<Vec<_>>())
+}
+
+/// The scans of each of several sensors alone, with what they ask of every mapper; of those that have a reading that is a range.
+fn apart(set: &ScanSet, setup: &Model) -> Vec<(String, ScanSet, Visited)> {
+    let called: Vec<&str> = set.called().collect();
+    if called.len() < 2 {
+        return Vec::new();
+    }
+    let of = |(number, called): (usize, &&str)| {
+        let alone = set.of_sensor(number);
+        let visited = alone.visited(&setup.grid);
+        (visited.rays > 0).then(|| ((*called).to_owned(), alone, visited))
+    };
+    called.iter().enumerate().filter_map(of).collect()
 }
 
 /// The map, the belief, and what the scans ask of every mapper.
@@ -119,7 +151,8 @@ fn conditions(options: &SpeedOptions, set: &ScanSet) -> Result<(Model, Condition
             set.rays()
         )));
     }
-    let setup = Model::new(grid, set.sensor());
+    let sensors = set.sensors();
+    let setup = Model { sensors: sensors.clone(), ..Model::new(grid, sensors.of(&Scan::default()).clone()) };
     let processor = processor::name();
     let (scans, repeats, world) = (set.scans.len(), options.repeats, options.world);
     let conditions = Conditions { source, scans, visited, grid, repeats, world, processor };

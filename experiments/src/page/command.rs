@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use mapper::Prior;
-use sensor::{Laser, Stereo};
+use sensor::{Laser, Sonar, Stereo};
 use serde_json::{Value, json};
 
 use crate::figures::Paper;
@@ -24,6 +24,7 @@ pub fn command_line(record: &Value) -> String {
         Some("slam") => (&["/configuration/source"], [slam(), sensor(), assumed(), pictures()].concat()),
         _ => return String::new(),
     };
+    let record = &by_kind(record);
     let at = |place: &str| record.pointer(place).filter(|value| !value.is_null());
     let mut words = vec!["sightgrid".to_owned(), record["command"].as_str().unwrap_or_default().to_owned()];
     for value in arguments.iter().filter_map(|place| at(place)) {
@@ -66,6 +67,25 @@ pub fn command_line(record: &Value) -> String {
         words.extend(["--mapper-timeout".to_owned(), timeout_s.to_string()]);
     }
     words.join(" ")
+}
+
+/// The record with what is said of lasers and cameras, whichever of several sensors they are, under `sensor`, and what of sonars under `sonar`.
+fn by_kind(record: &Value) -> Value {
+    let mut record = record.clone();
+    let Some(configuration) = record["configuration"].as_object_mut() else { return record };
+    let several = configuration.get("sensors").and_then(Value::as_object).map(|all| all.values().cloned().collect());
+    let all: Vec<Value> = several.unwrap_or_else(|| configuration.get("sensor").cloned().into_iter().collect());
+    let is_sonar = |sensor: &&Value| sensor.get("width_rad").is_some();
+    if let Some(sonar) = all.iter().find(is_sonar) {
+        let width_deg = sonar["width_rad"].as_f64().map(|width_rad| (1e9 * width_rad.to_degrees()).round() / 1e9);
+        let sonar = json!({"max_range_m": sonar["max_range_m"], "width_deg": width_deg});
+        configuration.insert("sonar".to_owned(), sonar);
+    }
+    let others = all.iter().filter(|sensor| !is_sonar(sensor)).filter_map(Value::as_object);
+    let others: serde_json::Map<String, Value> =
+        others.flatten().map(|(key, value)| (key.clone(), value.clone())).collect();
+    configuration.insert("sensor".to_owned(), Value::Object(others));
+    record
 }
 
 /// Options without a value: where a record says that they were given.
@@ -152,6 +172,8 @@ fn sensor() -> Vec<Typed> {
         ("/configuration/sensor/disparity_sigma", "--disparity-sigma", json!(Stereo::default().disparity_sigma)),
         ("/configuration/sensor/correct_match", "--correct-match", json!(Stereo::default().correct_match)),
         ("/configuration/sensor/max_disparity", "--max-disparity", json!(Stereo::default().max_disparity)),
+        ("/configuration/sonar/max_range_m", "--sonar-range", json!(Sonar::default().max_range_m)),
+        ("/configuration/sonar/width_deg", "--sonar-width", json!(30.0)),
     ]
 }
 
@@ -252,6 +274,20 @@ mod tests {
         assert_eq!(of(score), "sightgrid score a.npy b.yaml --truth t.yaml --unknown skip");
         let replay = json!({"command": "replay", "grid": {"cell_m": 0.05}, "configuration": {"log": "fr.log", "window_s": [0.0, 9.5]}});
         assert_eq!(of(replay), "sightgrid replay fr.log --window 0.0,9.5");
+    }
+
+    #[test]
+    fn of_several_sensors_each_has_its_own_options() {
+        let camera = json!({"focal_baseline": 18.5, "max_disparity": Stereo::default().max_disparity});
+        let laser = json!({"hit": 0.9, "no_echo": Laser::default().no_echo});
+        let sonar = json!(Sonar { max_range_m: 4.0, hit: 0.5, width_rad: 25f64.to_radians(), ..Sonar::default() });
+        let of = |configuration: Value| {
+            command_line(&json!({"command": "replay", "grid": {"cell_m": 0.05}, "configuration": configuration}))
+        };
+        let all = json!({"log": "a.csv", "sensor": sonar, "sensors": {"0": sonar, "1": laser, "3": camera}});
+        let typed = "sightgrid replay a.csv --hit 0.9 --focal-baseline 18.5 --sonar-range 4.0 --sonar-width 25.0";
+        assert_eq!(of(all), typed);
+        assert_eq!(of(json!({"log": "a.csv", "sensor": Sonar::default()})), "sightgrid replay a.csv");
     }
 
     #[test]

@@ -6,7 +6,7 @@ use grid::{GridSpec, Raster};
 use scene::Shape;
 use score::{MovingRegion, Region};
 
-use super::scans::Scans;
+use super::scans::{Scans, SensorScans};
 use crate::failure::Failure;
 use crate::worlds::film::{self, Frame};
 use crate::worlds::ground::Ground;
@@ -50,6 +50,8 @@ pub struct ViewedWorld {
     pub route_m: Vec<[f64; 2]>,
     /// The scans; moments are numbers of them.
     pub scans: Option<Scans>,
+    /// What each sensor read beside the camera, or of a log of several sensors, each; nothing where there is one sensor.
+    pub sensors: Vec<SensorScans>,
     /// Moments to step through, rising; the ends of all stages are among them.
     pub moments: Vec<Moment>,
     /// The stages, in order of time.
@@ -130,6 +132,7 @@ impl ViewedWorld {
             truth: Some(ground.truth.clone()),
             route_m: Vec::new(),
             scans: Some(Scans::simulated(simulated, ground)),
+            sensors: SensorScans::simulated(simulated, ground),
             moments: replay(ground, trial, scans)?,
             stages: stages.to_vec(),
             regions: ground.scene.regions.iter().map(|r| (r.name.clone(), r.mask(&ground.scene.grid))).collect(),

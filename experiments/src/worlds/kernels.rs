@@ -1,11 +1,12 @@
 //! What mappers know of the sensor that took a log.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use clap::Args;
 use logs::{Report, Sensor};
-use sensor::{Depth, Laser, Omnidirectional, Scan, SensorModel, Sonar, Stereo};
+use mapper::Sensors;
+use sensor::{Depth, Laser, Omnidirectional, Scan, SensorKind, SensorModel, Sonar, Stereo};
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
@@ -185,58 +186,72 @@ pub fn called(sensor: Sensor) -> &'static str {
     }
 }
 
-/// Refuses a log of several kinds of sensors, and of sonars, where one laser or camera is taken; `what` takes it.
-///
-/// # Errors
-/// Such a log.
-pub fn one_kind(place: &str, report: &Report, what: &str) -> Result<(), Failure> {
-    let kinds: BTreeSet<&str> = report.sensors.values().filter_map(|sensor| sensor.kind).map(called).collect();
-    let one = kinds.len() <= 1 && !kinds.contains(called(Sensor::Sonar { max_range_m: None, width_rad: None }));
-    one.then_some(()).ok_or_else(|| {
-        Failure::BadInput(format!(
-            "{place}: holds readings of {}, and {what} takes those of lasers or of a stereo camera; leave the columns of the others out, or map \
-             it with `replay`",
-            kinds.into_iter().collect::<Vec<_>>().join(" and ")
-        ))
-    })
+/// The name of a kind of sensor, as scene files have it.
+pub fn kind(sensor: Sensor) -> &'static str {
+    let kind = match sensor {
+        Sensor::Laser { .. } => SensorKind::Laser,
+        Sensor::Stereo => SensorKind::Stereo,
+        Sensor::Sonar { .. } => SensorKind::Sonar,
+    };
+    kind.name()
 }
 
-/// What the mappers know of the sensors of a log, kind by kind.
-pub type Kernels = (LaserOptions, StereoOptions, SonarOptions);
-
-/// The model of the sensor that took a log.
+/// The sensors of a log by number as mappers take them: numbers that no scan has are taken for the first sensor.
 ///
-/// # Errors
-/// A laser or a sonar that makes no sense.
-pub fn sensor(place: &str, sensor: Sensor, (laser, stereo, sonar): Kernels) -> Result<Shared, Failure> {
-    match sensor {
-        Sensor::Laser { max_range_m, .. } => {
-            let LaserOptions { range_sigma, hit, no_echo, early } = laser;
-            let laser = Laser { range_sigma_m: range_sigma, max_range_m, hit, no_echo, early_per_m: early };
-            laser.validate().map_err(|error| Failure::BadInput(format!("{place}: {error}")))?;
-            Ok(Arc::new(laser))
-        }
-        Sensor::Stereo => Ok(Arc::new(stereo.camera())),
-        Sensor::Sonar { max_range_m, width_rad } => {
-            let sonar = sonar.sonar(max_range_m, width_rad);
-            sonar.validate().map_err(|error| Failure::BadInput(format!("{place}: sonars: {error}")))?;
-            Ok(Arc::new(sonar))
+/// # Panics
+/// Where there is none.
+pub fn sensors(known: &BTreeMap<usize, Shared>) -> Sensors {
+    let last = known.keys().next_back().copied().unwrap_or(0);
+    let of = |number: usize| known.get(&number).or_else(|| known.values().next());
+    Sensors::new((0..=last).filter_map(of).cloned().collect())
+}
+
+/// What mappers know of the sensors of a log, of every kind.
+#[derive(Debug, Clone, Copy)]
+pub struct Kernels {
+    /// Of lasers.
+    pub laser: LaserOptions,
+    /// Of stereo cameras.
+    pub stereo: StereoOptions,
+    /// Of sonars.
+    pub sonar: SonarOptions,
+}
+
+impl Kernels {
+    /// The model of a sensor that took the log at `place`.
+    ///
+    /// # Errors
+    /// A laser or a sonar that makes no sense.
+    pub fn of(&self, place: &str, sensor: Sensor) -> Result<Shared, Failure> {
+        match sensor {
+            Sensor::Laser { max_range_m, .. } => {
+                let LaserOptions { range_sigma, hit, no_echo, early } = self.laser;
+                let laser = Laser { range_sigma_m: range_sigma, max_range_m, hit, no_echo, early_per_m: early };
+                laser.validate().map_err(|error| Failure::BadInput(format!("{place}: {error}")))?;
+                Ok(Arc::new(laser))
+            }
+            Sensor::Stereo => Ok(Arc::new(self.stereo.camera())),
+            Sensor::Sonar { max_range_m, width_rad } => {
+                let sonar = self.sonar.sonar(max_range_m, width_rad);
+                sonar.validate().map_err(|error| Failure::BadInput(format!("{place}: sonars: {error}")))?;
+                Ok(Arc::new(sonar))
+            }
         }
     }
-}
 
-/// What the options say of a log's sensor, for the record.
-pub fn record(kind: Sensor, (laser, stereo, sonar): Kernels) -> Value {
-    let LaserOptions { range_sigma, hit, no_echo, early } = laser;
-    let StereoOptions { focal_baseline, disparity_sigma, correct_match, max_disparity } = stereo;
-    match kind {
-        Sensor::Laser { max_range_m, .. } => json!({
-            "range_sigma_m": range_sigma, "max_range_m": max_range_m, "hit": hit, "no_echo": no_echo, "early_per_m": early,
-        }),
-        Sensor::Stereo => json!({
-            "focal_baseline": focal_baseline, "disparity_sigma": disparity_sigma, "correct_match": correct_match,
-            "max_disparity": max_disparity,
-        }),
-        Sensor::Sonar { max_range_m, width_rad } => json!(sonar.sonar(max_range_m, width_rad)),
+    /// What the options say of a log's sensor, for the record.
+    pub fn record(&self, kind: Sensor) -> Value {
+        let LaserOptions { range_sigma, hit, no_echo, early } = self.laser;
+        let StereoOptions { focal_baseline, disparity_sigma, correct_match, max_disparity } = self.stereo;
+        match kind {
+            Sensor::Laser { max_range_m, .. } => json!({
+                "range_sigma_m": range_sigma, "max_range_m": max_range_m, "hit": hit, "no_echo": no_echo, "early_per_m": early,
+            }),
+            Sensor::Stereo => json!({
+                "focal_baseline": focal_baseline, "disparity_sigma": disparity_sigma, "correct_match": correct_match,
+                "max_disparity": max_disparity,
+            }),
+            Sensor::Sonar { max_range_m, width_rad } => json!(self.sonar.sonar(max_range_m, width_rad)),
+        }
     }
 }

@@ -124,20 +124,6 @@ pub fn sensors(camera: Arc<dyn SensorModel>, scene: &Scene, assumed: impl Fn(&De
     Sensors::new([camera].into_iter().chain(beside).collect())
 }
 
-/// Refuses a scene of several sensors where one is taken; `what` takes it, and `place` is the scene's.
-///
-/// # Errors
-/// Sensors beside the camera, or no camera.
-pub fn camera_alone(scene: &Scene, place: &str, what: &str) -> Result<(), Failure> {
-    match scene.sensors.len() {
-        0 => Ok(()),
-        count => Err(Failure::BadInput(format!(
-            "{place}: the robot carries {count} sensors of [[sensor]], and {what} takes the readings of the camera alone; take them out, or map the \
-             scene with `room`"
-        ))),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

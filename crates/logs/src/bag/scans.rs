@@ -170,7 +170,7 @@ impl Scans {
         };
         Recorded {
             scan: Scan { sensor: index, time_s, pose: pose.unwrap_or_default(), bearings_rad, readings },
-            mount: sensor.mount.pose,
+            mount: Some(sensor.mount.pose),
             odometry: pose.filter(|_| sensor.way.is_some()),
             placed: pose.is_some() && sensor.way.is_some(),
             gap,

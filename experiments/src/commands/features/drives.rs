@@ -2,9 +2,10 @@
 
 use grid::Raster;
 use mapper::catalogue;
+use scene::SimulatedScan;
 use score::Metric;
 use score::navigation::Navigation;
-use sensor::{Pose, Scan};
+use sensor::Pose;
 
 use crate::failure::Failure;
 use crate::worlds::condition::AS_BELIEVED;
@@ -26,8 +27,8 @@ pub(super) const NAMES: [[&str; 3]; 2] =
 pub(super) struct Yard {
     site: Site,
     navigation: Navigation,
-    /// In the order of the scans of features.
-    scans: Vec<Scan>,
+    /// In the order of the scans of features, of all sensors.
+    scans: Vec<SimulatedScan>,
 }
 
 impl Yard {
@@ -37,10 +38,10 @@ impl Yard {
         let ground = &site.ground;
         let navigation = Navigation::new(&ground.truth, DriveOptions::default().planning(ground.scene.robot.radius_m));
         let simulated = scene::simulate(&ground.scene, &ground.world, &ground.drive, seed).scans;
-        let mut scans: Vec<Scan> = Vec::new();
-        for scan in simulated.into_iter().map(|simulated| simulated.scan) {
-            if scans.last().is_none_or(|last| scan.time_s > last.time_s) {
-                scans.push(scan);
+        let mut scans: Vec<SimulatedScan> = Vec::new();
+        for simulated in simulated {
+            if scans.last().is_none_or(|last| simulated.scan.time_s > last.scan.time_s) {
+                scans.push(simulated);
             }
         }
         Ok(Self { site, navigation, scans })
@@ -61,10 +62,12 @@ impl Yard {
         let no_mapper = || Failure::Internal(format!("there is no {MAPPER}"));
         let mut mapper = catalogue::find(MAPPER).ok_or_else(no_mapper)?.mapper(setup);
         let mut seen = Seen::new(spec);
-        for (scan, pose) in self.scans.iter().zip(poses) {
-            let scan = Scan { pose: *pose, ..scan.clone() };
-            seen.add(&scan, &**setup.sensors.of(&scan), Reach::Median);
-            mapper.integrate(&scan);
+        for (simulated, pose) in self.scans.iter().zip(poses) {
+            let mut moved = simulated.clone();
+            moved.move_to(*pose);
+            let scans = moved.together();
+            scans.iter().for_each(|scan| seen.add(scan, &**setup.sensors.of(scan), Reach::Median));
+            mapper.integrate_together(&scans);
         }
         mapper.settle();
         let by_grid = drives::metrics(&self.navigation, &ground.world, mapper.occupancy(), None, &seen.cells);

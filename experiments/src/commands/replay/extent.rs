@@ -9,7 +9,7 @@ use sensor::{Scan, SensorModel};
 
 use super::recording::{self, Recording};
 use crate::failure::Failure;
-use crate::worlds::kernels::Shared;
+use crate::worlds::kernels::{self, Shared};
 
 /// More cells than this are not a building but a mistake in the poses: some 20 GB with all mappers.
 const MOST_CELLS: usize = 100_000_000;
@@ -72,11 +72,9 @@ impl Known {
 }
 
 impl Survey {
-    /// The sensors as mappers take them: numbers that no scan in use has are taken for the first sensor.
+    /// The sensors as mappers take them.
     pub(super) fn models(&self) -> Sensors {
-        let last = self.sensors.keys().next_back().copied().unwrap_or(0);
-        let of = |number: usize| self.sensors.get(&number).or_else(|| self.sensors.values().next());
-        Sensors::new((0..=last).filter_map(of).map(|known| known.model.clone()).collect())
+        kernels::sensors(&self.sensors.iter().map(|(number, known)| (*number, known.model.clone())).collect())
     }
 
     /// What took a scan.

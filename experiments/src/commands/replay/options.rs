@@ -224,9 +224,14 @@ impl ReplayOptions {
         Repeats { distance_m: self.repeat_distance, angle_rad, ..Repeats::CHOSEN }
     }
 
-    /// What the mappers know of the sensor that took the log.
+    /// What the mappers know of the sensors that took the log.
+    pub(super) fn kernels(&self) -> Kernels {
+        Kernels { laser: self.laser, stereo: self.stereo, sonar: self.sonar }
+    }
+
+    /// The same of one of them.
     pub(super) fn sensor(&self, sensor: Sensor) -> Result<Shared, Failure> {
-        kernels::sensor(&self.log.display().to_string(), sensor, self.kernels())
+        self.kernels().of(&self.log.display().to_string(), sensor)
     }
 
     /// What the mappers know of the sensor that took a scan of the log.
@@ -236,11 +241,6 @@ impl ReplayOptions {
             Sensor::Stereo if kernels::is_all_round(&event.scan) => Ok(Arc::new(self.stereo.all_round())),
             kind => self.sensor(kind),
         }
-    }
-
-    /// What the mappers know, kind by kind.
-    pub(super) fn kernels(&self) -> Kernels {
-        (self.laser, self.stereo, self.sonar)
     }
 }
 

@@ -208,7 +208,7 @@ pub(super) fn left_out(report: &Report) -> Vec<(&'static str, u64)> {
 /// What the maps were made from.
 fn configuration(told: &Told) -> Value {
     let Told { options, survey, setup, .. } = told;
-    let described = |kind: Sensor| kernels::record(kind, options.kernels());
+    let described = |kind: Sensor| options.kernels().record(kind);
     let mut configuration = json!({
         "log": options.log.display().to_string(),
         "trajectory": options.trajectory.as_ref().and_then(|path| path.file_name()).map(|name| name.to_string_lossy()),

@@ -3,7 +3,7 @@
 use serde::Deserialize;
 use serde_json::Value;
 
-use super::summary;
+use super::{sensors, summary};
 use crate::failure::Failure;
 use crate::figures;
 use crate::page::{Cell, Page, Part, Picture, Section, Sheet, Viewer, command_line};
@@ -66,6 +66,13 @@ pub(crate) fn page(
         open: i + 1 == stages.len(),
         parts: sheets(metrics, &stage.name),
     });
+    let apart = viewer.worlds.first().and_then(|world| sensors::section(ground, world));
+    let pictures = Section {
+        heading: "Pictures".to_owned(),
+        parts: pictures.into_iter().map(Part::Picture).collect(),
+        ..Section::default()
+    };
+    let scores = Section { heading: "Scores".to_owned(), lead: SCORES.to_owned(), parts: folds.collect() };
     Ok(Page {
         title: scene.name.clone(),
         lead: scene.description.clone(),
@@ -79,14 +86,7 @@ pub(crate) fn page(
         ),
         claims: claims::of_record(record),
         viewer: Some(viewer),
-        sections: vec![
-            Section {
-                heading: "Pictures".to_owned(),
-                parts: pictures.into_iter().map(Part::Picture).collect(),
-                ..Section::default()
-            },
-            Section { heading: "Scores".to_owned(), lead: SCORES.to_owned(), parts: folds.collect() },
-        ],
+        sections: [Some(pictures), apart, Some(scores)].into_iter().flatten().collect(),
         configuration: serde_json::to_string_pretty(&record["configuration"]).map_err(Failure::internal)?,
         files: record["files"].as_array().into_iter().flatten().filter_map(Value::as_str).map(str::to_owned).collect(),
         command: command_line(record),

@@ -77,6 +77,8 @@ pub(super) struct Configuration {
 pub(super) struct Carried {
     pub name: String,
     pub kind: &'static str,
+    /// Where it stands on the robot: m, m, degrees.
+    pub mount: [f64; 3],
     pub rays: usize,
     pub every: usize,
     /// Its parameters by name.
@@ -89,6 +91,7 @@ impl Carried {
         Self {
             name: sensor.name.clone(),
             kind: sensor.device.kind().name(),
+            mount: [sensor.mount.x_m, sensor.mount.y_m, sensor.mount.theta_rad.to_degrees()],
             rays: sensor.bearings_rad.len(),
             every: sensor.every,
             noise: parameters.into_iter().flat_map(|parameters| parameters.noise).collect(),

@@ -1,5 +1,6 @@
 //! The cells that maps are scored on.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use grid::{DigitalLine, Raster};
@@ -9,7 +10,8 @@ use score::{Region, Sight, Sightings};
 
 use super::truth::Truth;
 use crate::failure::Failure;
-use crate::worlds::{kernels, reading};
+use crate::worlds::kernels::SonarOptions;
+use crate::worlds::reading;
 
 /// The regions in the order of tables, and the cells that can be missed.
 pub(super) struct Regions {
@@ -44,11 +46,7 @@ impl Regions {
     /// A log that cannot be read; scans that see nothing of the truth.
     pub(super) fn seen(scans: &Path, truth: &Truth) -> Result<Self, Failure> {
         let refused = |error: LogError| Failure::BadInput(error.to_string());
-        let mut log = Log::open(scans, &Options { sonars: false, ..Options::default() }).map_err(refused)?;
-        let most_m = match log.sensor() {
-            Sensor::Laser { max_range_m, .. } => max_range_m,
-            Sensor::Stereo | Sensor::Sonar { .. } => f64::INFINITY,
-        };
+        let mut log = Log::open(scans, &Options::default()).map_err(refused)?;
         let mut walls = match &truth.scene {
             Some(scene) => Walls::World(Box::new(World::new(scene))),
             None => Walls::Cells(&truth.cells, Box::default()),
@@ -56,18 +54,31 @@ impl Regions {
         let (origin_m, cell_m) = (truth.frame.spec.origin_m, truth.frame.spec.cell_m);
         let (sin, cos) = libm::sincos(truth.frame.yaw_rad);
         let mut sightings = Sightings::new(&truth.cells);
-        for scan in log.by_ref() {
-            for ray in scan.map_err(refused)?.rays() {
+        let mut reaches: BTreeMap<usize, Cone> = BTreeMap::new();
+        while let Some(event) = log.next_event() {
+            let event = event.map_err(refused)?;
+            let cone = reaches.entry(event.sensor).or_insert_with(|| Cone::of(event.kind, cell_m));
+            for ray in event.scan.rays() {
                 let [u, v] = truth.frame.to_cells(ray.origin_m);
                 let from = [origin_m[0] + u * cell_m, origin_m[1] + v * cell_m];
-                let [x, y] = ray.direction;
-                let direction = [cos * x + sin * y, -sin * x + cos * y];
-                let hit = walls.hit_m(from, direction).filter(|hit| *hit < most_m);
-                let range_m = hit.or(Some(most_m).filter(|most| most.is_finite()));
-                sightings.add(&Sight { origin_m: from, direction, range_m });
+                let mut hit_m = |offset_rad: &f64| {
+                    let [x, y] = event.scan.pose.direction(ray.bearing_rad + offset_rad);
+                    let direction = [cos * x + sin * y, -sin * x + cos * y];
+                    (direction, walls.hit_m(from, direction).filter(|hit| *hit < cone.most_m))
+                };
+                let hits: Vec<([f64; 2], Option<f64>)> = cone.offsets_rad.iter().map(&mut hit_m).collect();
+                if let [(direction, hit)] = hits[..] {
+                    let range_m = hit.or(Some(cone.most_m).filter(|most| most.is_finite()));
+                    sightings.add(&Sight { origin_m: from, direction, range_m });
+                    continue;
+                }
+                // A cone tells nothing of what is behind the nearest thing in it.
+                let reach_m = hits.iter().filter_map(|(_, hit)| *hit).fold(cone.most_m, f64::min);
+                for (direction, range_m) in hits {
+                    sightings.add_within(&Sight { origin_m: from, direction, range_m }, reach_m);
+                }
             }
         }
-        kernels::one_kind(&scans.display().to_string(), log.report(), "`score`")?;
         reading::tell(&scans.display().to_string(), log.report());
         let observable = sightings.mask(Region::Observable);
         if !observable.values().contains(&true) {
@@ -95,6 +106,31 @@ impl Regions {
         let parts = [Region::Visible, Region::Surface, Region::Shell, Region::Hidden].map(Region::name);
         let names = self.masks.iter().map(|(name, _)| name).filter(|name| !parts.contains(&name.as_str()));
         names.cloned().collect()
+    }
+}
+
+/// How far a sensor sees, and the rays that stand for one of its readings.
+struct Cone {
+    most_m: f64,
+    /// Angles to the axis, rad; 0 alone of a sensor that has no cones.
+    offsets_rad: Vec<f64>,
+}
+
+impl Cone {
+    /// Of a sensor of a log, over cells of this side, m; what the log does not tell of sonars is as usual.
+    fn of(sensor: Sensor, cell_m: f64) -> Self {
+        let (most_m, width_rad) = match sensor {
+            Sensor::Laser { max_range_m, .. } => (max_range_m, 0.0),
+            Sensor::Stereo => (f64::INFINITY, 0.0),
+            Sensor::Sonar { max_range_m, width_rad } => {
+                let sonar = SonarOptions::default().sonar(max_range_m, width_rad);
+                (sonar.max_range_m, sonar.width_rad)
+            }
+        };
+        let halves = libm::ceil(0.5 * width_rad * most_m / cell_m) as i32;
+        let offset = |k: i32| 0.5 * width_rad * f64::from(k) / f64::from(halves);
+        let offsets_rad = if width_rad > 0.0 { (-halves..=halves).map(offset).collect() } else { vec![0.0] };
+        Self { most_m, offsets_rad }
     }
 }
 

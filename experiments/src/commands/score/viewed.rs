@@ -28,6 +28,7 @@ pub(super) fn world(name: &str, scored: &Scored, truth: &Truth, regions: &Region
         truth: Some(truth.cells.clone()),
         route_m: Vec::new(),
         scans: None,
+        sensors: Vec::new(),
         moments: vec![Moment { scans: 1, parts: Some(parts(truth, regions)), scenery: None }],
         stages: vec![stage],
         regions: regions.masks.iter().filter(|(name, _)| !by_rays(name)).cloned().collect(),

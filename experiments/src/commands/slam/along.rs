@@ -29,7 +29,7 @@ pub(super) fn draw(
     truth: Option<&[Stamped]>,
     paper: &Paper,
 ) -> Drawing {
-    let end = scans.last().map_or(1.0, |taken| taken.scan.time_s).max(1.0);
+    let end = scans.last().map_or(1.0, |taken| taken.time_s()).max(1.0);
     let chart = |title: &str, label: &str, low: f64, series: Vec<Series>| {
         let values = || series.iter().flat_map(|series| &series.points).map(|at| at.y);
         let high = values().fold(low, f64::max);
@@ -47,7 +47,7 @@ pub(super) fn draw(
     if updates.iter().any(|update| update.gain.is_some()) {
         charts.push(chart("Gain of the map", "nats/reading", 0.0, line(&|update| update.gain)));
     }
-    let start_s = scans.first().map_or(0.0, |taken| taken.clock_s - taken.scan.time_s);
+    let start_s = scans.first().map_or(0.0, |taken| taken.clock_s - taken.time_s());
     let errors = |name: &str, colour, poses: Vec<Stamped>| {
         let pairs = aligned(&associated(&poses, truth?, MOST_S).ok()?).ok()?;
         let off = pairs.into_iter().map(|pair| {

@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 
 use super::along;
 use super::outputs::Told;
+use super::sensors;
 use crate::failure::Failure;
 use crate::figures::cells;
 use crate::output::table::{Table, rounded};
@@ -45,6 +46,10 @@ pub(super) fn page(
             ERRORS,
             vec![Part::Sheet(Sheet::of("Errors of the way that was found, and of the odometry", &scores))],
         ));
+    }
+    if told.sensors.len() > 1 {
+        let sheet = Sheet::of("Sensors of the robot", &sensors::table(told));
+        sections.push(section("Sensors", sensors::SENSORS, vec![Part::Sheet(sheet)]));
     }
     sections.push(section("Along the way", "", vec![picture("along.png", along::CAPTION, pictures.along)]));
     let returns = returns(told);

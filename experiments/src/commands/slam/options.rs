@@ -14,7 +14,7 @@ use crate::output::args::{
 use crate::output::folder;
 use crate::output::recording::RecordingOption;
 use crate::worlds::bound::{Bound, bound};
-use crate::worlds::kernels::{LaserOptions, StereoOptions};
+use crate::worlds::kernels::{Kernels, LaserOptions, SonarOptions, StereoOptions};
 use crate::worlds::odometry::noise;
 use crate::worlds::reading::{DAMAGED_SHARE, FanArgs, stem};
 use crate::worlds::source::BagArgs;
@@ -101,6 +101,9 @@ pub struct SlamOptions {
     /// What the mappers know of a stereo camera
     #[command(flatten)]
     pub stereo: StereoOptions,
+    /// What the mappers know of sonars
+    #[command(flatten)]
+    pub sonar: SonarOptions,
     /// Folder for trajectory, map, tables and picture, written whole or not at all [default: results/slam- and the log's name]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -159,6 +162,11 @@ impl SlamOptions {
         self.noise.unwrap_or(OdometryNoise::STANDARD)
     }
 
+    /// What the mappers know of the sensors that took a log.
+    pub(super) fn kernels(&self) -> Kernels {
+        Kernels { laser: self.laser, stereo: self.stereo, sonar: self.sonar }
+    }
+
     /// How a log is read.
     pub(super) fn reading(&self) -> logs::Options {
         logs::Options {
@@ -166,7 +174,6 @@ impl SlamOptions {
             max_range_m: self.max_range,
             max_disparity_px: Some(self.stereo.max_disparity),
             fan: self.fan.fan(),
-            sonars: false,
             every: u64::from(self.every),
             window_s: self.window.map(|[from, to]| from..to),
             damaged_share: self.damaged_share,

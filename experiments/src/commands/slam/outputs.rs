@@ -6,7 +6,7 @@ use grid::{GridSpec, Raster};
 use logs::Sensor;
 use mapper::Model;
 use mapper::catalogue::Entry;
-use sensor::{FeatureCamera, Pose, Scan};
+use sensor::{FeatureCamera, Pose};
 use serde_json::{Value, json};
 use slam::{Outcome, Update};
 
@@ -15,7 +15,8 @@ use super::document::{self, Pictures};
 use super::figure::{self, Ways};
 use super::options::SlamOptions;
 use super::scores::{References, Scores};
-use super::source::Taken;
+use super::sensors;
+use super::source::{Carrier, Taken};
 use crate::failure::Failure;
 use crate::figures::Paper;
 use crate::output;
@@ -25,7 +26,6 @@ use crate::output::note;
 use crate::output::record::Record;
 use crate::output::table::{Table, optional, rounded};
 use crate::page::cloud::Moment;
-use crate::worlds::kernels::{self, SonarOptions};
 use crate::worlds::landmarks;
 use crate::worlds::seen::{Reach, Seen};
 
@@ -39,6 +39,7 @@ pub(super) struct Told<'a> {
     pub(super) place: &'a str,
     pub(super) scans: &'a [Taken],
     pub(super) model: &'a Model,
+    pub(super) sensors: &'a [Carrier],
     /// What found features, where they were asked for.
     pub(super) camera: Option<FeatureCamera>,
     /// That of a log.
@@ -132,8 +133,10 @@ pub(super) fn cropped(scans: &[Taken], outcome: &Outcome, model: &Model) -> (Ras
     let mut updates = outcome.updates.iter().map(|update| update.time_s).peekable();
     for (taken, (time_s, pose)) in scans.iter().zip(&outcome.trajectory) {
         if updates.next_if(|update| update.total_cmp(time_s).is_eq()).is_some() {
-            let scan = Scan { pose: *pose, ..taken.scan.clone() };
-            seen.add(&scan, &**model.sensors.of(&scan), Reach::Median);
+            for mounted in taken.mounted() {
+                let scan = mounted.scan_from(*pose);
+                seen.add(&scan, &**model.sensors.of(&scan), Reach::Median);
+            }
         }
     }
     let seen = seen.cells;
@@ -170,7 +173,7 @@ fn configuration(told: &Told) -> Value {
     let name = |path: &Option<std::path::PathBuf>| path.as_ref().map(|path| path.display().to_string());
     let weight = options.weight.name();
     let noise = options.noise();
-    json!({
+    let mut configuration = json!({
         "source": told.place,
         "mapper": told.entry.name,
         "particles": filter.particles,
@@ -188,7 +191,7 @@ fn configuration(told: &Told) -> Value {
         "relations": name(&options.relations),
         "layout": options.layout,
         "given_grid_m": options.grid,
-        "sensor": told.sensor.map(|kind| kernels::record(kind, (options.laser, options.stereo, SonarOptions::default()))),
+        "sensor": told.sensor.map(|kind| options.kernels().record(kind)),
         "reach_m": options.reach,
         "min_range_m": options.min_range,
         "given_max_range_m": options.max_range,
@@ -198,7 +201,17 @@ fn configuration(told: &Told) -> Value {
         "fan": {"fov_deg": options.fan.fov, "first_bearing_deg": options.fan.first_bearing, "increment_deg": options.fan.increment},
         "prior": told.model.prior,
         "reconciliation": told.model.reconciliation,
-    })
+    });
+    if told.sensors.len() > 1 {
+        let known = told.sensors.iter().filter_map(|sensor| Some((sensor.number.to_string(), sensor.kind?)));
+        let kernels: serde_json::Map<String, Value> =
+            known.map(|(number, kind)| (number, options.kernels().record(kind))).collect();
+        if !kernels.is_empty() {
+            configuration["sensors"] = Value::Object(kernels);
+        }
+        configuration["mounts"] = sensors::mounts(told.sensors);
+    }
+    configuration
 }
 
 /// Says where the robot was carried away.
@@ -245,12 +258,13 @@ pub(super) fn text(told: &Told) -> String {
         times => format!("\nthe robot came back {times} times to where it had been"),
     };
     let mut text = format!(
-        "slam of {}\n{} scans, {} of them matched and mapped by {} particles of {}\nN_eff {effective:.1} on average, drawn anew {resampled} times{returned}\n",
+        "slam of {}\n{} scans, {} of them matched and mapped by {} particles of {}\n{}N_eff {effective:.1} on average, drawn anew {resampled} times{returned}\n",
         told.place,
         told.scans.len(),
         updates.len(),
         told.options.particles,
         told.entry.name,
+        sensors::text(told),
     );
     if !told.scores.table().rows().is_empty() {
         text.push('\n');

@@ -1,7 +1,5 @@
 //! What was found as messages.
 
-use sensor::Scan;
-
 use super::outputs::Told;
 use crate::output::recording::{Recorder, START_S, topic};
 
@@ -17,8 +15,10 @@ pub(super) fn record(recorder: &mut Recorder, told: &Told) {
             let pose = sensor::Pose { x_m: pose.x_m, y_m: pose.y_m, theta_rad: pose.theta_rad };
             recorder.pose("/truth/pose", stamped.time_s + after_s, pose);
         }
-        let scan = Scan { pose: *pose, ..taken.scan.clone() };
-        recorder.scan(last_s, &scan, &**told.model.sensors.of(&scan));
+        for mounted in taken.mounted() {
+            let scan = mounted.scan_from(*pose);
+            recorder.scan(last_s, &scan, &**told.model.sensors.of(&scan));
+        }
         recorder.pose("/pose", last_s, *pose);
         recorder.pose("/odometry/pose", last_s, taken.odometry);
     }

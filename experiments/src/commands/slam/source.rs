@@ -1,17 +1,22 @@
 //! Scans with odometry: from a log, or from a scene that is simulated.
 
-use logs::{LogError, Report, Sensor};
+use std::collections::BTreeMap;
+
+use logs::{Report, Sensor};
 use mapper::Model;
 use score::trajectory::Stamped;
-use sensor::{FeatureCamera, FeatureReading, Pose, Scan};
+use sensor::{FeatureCamera, FeatureReading, Pose};
+use slam::Mounted;
 
 use super::options::SlamOptions;
+use super::read;
 use crate::failure::Failure;
+use crate::worlds::carried::{Carried, carried, mounted};
 use crate::worlds::condition::AS_BELIEVED;
-use crate::worlds::kernels::{self, SonarOptions};
+use crate::worlds::kernels::{self, Shared};
 use crate::worlds::landmarks;
 use crate::worlds::scenes;
-use crate::worlds::site::{Assumptions, Site, camera_alone};
+use crate::worlds::site::{Assumptions, Site};
 use crate::worlds::source::{self, Asked};
 use crate::worlds::track::stamped;
 
@@ -27,14 +32,39 @@ const WITHIN: f64 = 0.99;
 /// By how much the way may be off the odometry's, m, before the map ends.
 const DRIFT_M: f64 = 5.0;
 
-/// A scan with the odometry's pose.
+/// What the sensors read at one time, with the odometry's pose.
 pub(super) struct Taken {
-    pub(super) scan: Scan,
+    /// The scans in the order of their sensors' numbers, one at least.
+    pub(super) scans: Vec<Carried>,
+    /// The robot by its odometry.
     pub(super) odometry: Pose,
     /// The features that the camera read there, where they are asked for.
     pub(super) features: Vec<FeatureReading>,
     /// Time by the log's own clock, s.
     pub(super) clock_s: f64,
+}
+
+impl Taken {
+    /// Time since the first scan of the source, s.
+    pub(super) fn time_s(&self) -> f64 {
+        self.scans[0].scan.time_s
+    }
+
+    /// As the filter takes them.
+    pub(super) fn mounted(&self) -> Vec<Mounted<'_>> {
+        mounted(&self.scans)
+    }
+}
+
+/// A sensor of the robot.
+#[derive(Debug, Clone)]
+pub(super) struct Carrier {
+    pub(super) number: usize,
+    /// What it is called.
+    pub(super) called: String,
+    /// What it is, of a log.
+    pub(super) kind: Option<Sensor>,
+    pub(super) mount: Pose,
 }
 
 /// Where scans come from.
@@ -43,11 +73,13 @@ pub(super) struct Source {
     /// At least one; their times rise.
     pub(super) scans: Vec<Taken>,
     pub(super) model: Model,
+    /// The sensors, at least one, by rising numbers.
+    pub(super) sensors: Vec<Carrier>,
     /// The true way, of a scene.
     pub(super) truth: Option<Vec<Stamped>>,
     /// What finds features, where they are asked for.
     pub(super) camera: Option<FeatureCamera>,
-    /// What is in the log.
+    /// What is in the log, and what took the first of its scans.
     pub(super) report: Option<(Report, Sensor)>,
 }
 
@@ -81,7 +113,6 @@ impl Source {
                 "{place}: the scene has no odometry, by which a robot knows roughly how it moved; add a section [odometry] (guide scenes)"
             )));
         }
-        camera_alone(&scene, &place, "`slam`")?;
         let Site { ground, setup } = Site::of(scene, &AS_BELIEVED, &Assumptions::of(&options.prior))?;
         let simulated = scene::simulate(&ground.scene, &ground.world, &ground.drive, options.seed).scans;
         let (features, camera) = match options.landmarks {
@@ -98,15 +129,25 @@ impl Source {
             let clock_s = simulated.scan.time_s;
             let features = observed.next().map(|observed| observed.scan.readings).unwrap_or_default();
             let rises = scans.last().is_none_or(|last| clock_s > last.clock_s);
-            if let Some(odometry) = simulated.odometry.filter(|_| rises) {
+            let carried = carried(&simulated);
+            if let Some(odometry) = simulated.odometry.filter(|_| rises && !carried.is_empty()) {
                 truth.push(stamped(clock_s, timed.pose));
-                scans.push(Taken { scan: simulated.scan, odometry, features, clock_s });
+                scans.push(Taken { scans: carried, odometry, features, clock_s });
             }
         }
+        let eye = Carrier { number: 0, called: "camera".to_owned(), kind: None, mount: Pose::default() };
+        let is_there = |number: usize| scans.iter().any(|taken| taken.scans.iter().any(|of| of.scan.sensor == number));
+        let beside = (1..).zip(&ground.scene.sensors).map(|(number, sensor)| Carrier {
+            number,
+            called: sensor.name.clone(),
+            kind: None,
+            mount: sensor.mount,
+        });
+        let sensors: Vec<Carrier> = [eye].into_iter().chain(beside).filter(|sensor| is_there(sensor.number)).collect();
         if scans.is_empty() {
             return Err(Failure::BadInput(format!("{place}: the drive has no scan; give the robot a route")));
         }
-        Ok(Self { place, scans, model: setup, truth: Some(truth), camera, report: None })
+        Ok(Self { place, scans, model: setup, sensors, truth: Some(truth), camera, report: None })
     }
 
     fn of_log(options: &SlamOptions, source: &source::Source, place: String) -> Result<Self, Failure> {
@@ -115,47 +156,18 @@ impl Source {
                 "--landmarks: {place} is a log, whose scans have no features; give a scene, or a table of features to `features`"
             )));
         }
-        let refused = |error: LogError| Failure::BadInput(error.to_string());
-        let mut log = source.log(&options.reading())?;
-        let kind = log.sensor();
-        let mut scans: Vec<Taken> = Vec::new();
-        let mut back = 0usize;
-        while let Some(event) = log.next_event() {
-            let event = event.map_err(refused)?;
-            // The file of --pose is the odometry of a bag.
-            let odometry = if source.is_along() { Some(event.scan.pose) } else { event.odometry };
-            let Some(odometry) = odometry else {
-                return Err(Failure::BadInput(format!(
-                    "{place}, line {}: the scan has no pose by odometry, which slam needs of every scan; give a CARMEN log, or a table with \
-                     odom_x_m, odom_y_m and odom_theta_rad, or map the poses that it has with `replay`",
-                    event.line
-                )));
-            };
-            if scans.last().is_some_and(|last| event.scan.time_s <= last.scan.time_s) {
-                back += 1;
-                continue;
-            }
-            let scan = Scan { sensor: 0, ..event.scan };
-            scans.push(Taken { clock_s: scan.time_s, scan, odometry, features: Vec::new() });
-        }
-        let report = log.report().clone();
-        kernels::one_kind(&place, &report, "`slam`")?;
-        if scans.is_empty() {
-            return Err(Failure::BadInput(format!(
-                "{place}: none of its {} scans is in use; give another --window",
-                report.scans
-            )));
-        }
-        if back > 0 {
-            crate::output::note(format_args!(
-                "warning: {place}: {back} scans are not later than the one before them and are left out: the clock jumps"
-            ));
-        }
-        scans.iter_mut().for_each(|taken| taken.clock_s = report.start_s + taken.scan.time_s);
-        let sensor = kernels::sensor(&place, kind, (options.laser, options.stereo, SonarOptions::default()))?;
+        let read::Read { scans, sensors, report, first } = read::read(options, source, &place)?;
+        let kernels = options.kernels();
+        let of = |sensor: &Carrier| Some(kernels.of(&place, sensor.kind?).map(|model| (sensor.number, model)));
+        let known = sensors.iter().filter_map(of).collect::<Result<BTreeMap<usize, Shared>, Failure>>()?;
+        let models = kernels::sensors(&known);
         let ranges = |taken: &Taken| -> Vec<f64> {
-            let read = taken.scan.readings.iter().zip(&taken.scan.bearings_rad);
-            read.filter_map(|(reading, bearing)| sensor.range_of((*reading)?, *bearing)).collect()
+            let of = |carried: &Carried| -> Vec<f64> {
+                let sensor = models.of(&carried.scan);
+                let read = carried.scan.readings.iter().zip(&carried.scan.bearings_rad);
+                read.filter_map(|(reading, bearing)| sensor.range_of((*reading)?, *bearing)).collect()
+            };
+            taken.scans.iter().flat_map(of).collect()
         };
         let reach_m = match options.reach {
             Some(reach_m) => reach_m,
@@ -180,11 +192,14 @@ impl Source {
                 grid.cells()
             )));
         }
+        let any =
+            models.iter().next().cloned().ok_or_else(|| Failure::Internal("a log without a sensor".to_owned()))?;
         let model = Model {
             prior: options.prior.prior(),
             reconciliation: options.prior.reconciliation(),
-            ..Model::new(grid, sensor)
+            sensors: models,
+            ..Model::new(grid, any)
         };
-        Ok(Self { place, scans, model, truth: None, camera: None, report: Some((report, kind)) })
+        Ok(Self { place, scans, model, sensors, truth: None, camera: None, report: Some((report, first)) })
     }
 }

@@ -67,6 +67,11 @@ pub enum Sensing {
     Stereo,
     /// a laser with 181 beams over half a turn
     Laser,
+    /// both
+    #[value(name = "stereo+laser")]
+    Both,
+    /// all sensors of the family's robot
+    Own,
 }
 
 impl Sensing {
@@ -75,6 +80,8 @@ impl Sensing {
         match self {
             Self::Stereo => "stereo",
             Self::Laser => "laser",
+            Self::Both => "stereo+laser",
+            Self::Own => "own",
         }
     }
 }

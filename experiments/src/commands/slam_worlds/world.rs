@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use mapper::Model;
 use mapper::catalogue::Entry;
+use mapper::{Model, Sensors};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
-use scene::{Family, Odometry, SimulatedScan};
+use scene::{BesideScan, Family, Look, Odometry, SimulatedScan};
 use score::trajectory::{Pair, absolute, aligned};
 use score::{Region, Scorer, Sightings};
 use sensor::{FeatureCamera, FeatureScan, Laser, Pose, Scan};
@@ -15,6 +15,7 @@ use slam::{Moments, Slam, Weight};
 
 use super::options::{Sensing, SlamWorldsOptions, Weighed};
 use crate::failure::Failure;
+use crate::worlds::carried::{carried, mounted};
 use crate::worlds::condition::AS_BELIEVED;
 use crate::worlds::landmarks;
 use crate::worlds::site::{Assumptions, Site, WorldId};
@@ -86,16 +87,39 @@ impl Drive {
         }
         let driven: Vec<Pose> = site.ground.drive.poses.iter().map(|timed| timed.pose).collect();
         let odometry = Odometry { noise: SlamWorldsOptions::NOISE, ..Odometry::default() }.measure(&driven, seed);
+        if sensing != Sensing::Own {
+            site.ground.scene.sensors.clear();
+        }
         let found = scene::features(&site.ground.scene);
         let camera = landmarks::camera(&site.ground.scene);
         let observed =
             scene::observe(&site.ground.scene, &site.ground.world, &site.ground.drive, &found, &camera, seed);
         let features = observed.into_iter().map(|observed| observed.scan).collect();
         let mut scans = scene::simulate(&site.ground.scene, &site.ground.world, &site.ground.drive, seed).scans;
-        if sensing == Sensing::Laser {
-            let laser = Laser::default();
-            site.setup = Model { prior: site.setup.prior, ..Model::new(site.setup.grid, Arc::new(laser)) };
-            scans.iter_mut().enumerate().for_each(|(number, scan)| look(&site, &laser, (seed, number), scan));
+        let laser = Laser::default();
+        match sensing {
+            Sensing::Stereo | Sensing::Own => {}
+            Sensing::Laser => {
+                site.setup = Model { prior: site.setup.prior, ..Model::new(site.setup.grid, Arc::new(laser)) };
+                for (number, scan) in scans.iter_mut().enumerate() {
+                    let (read, true_ranges_m) = look(&site, &laser, (seed, number), scan.scan.clone());
+                    (scan.scan, scan.true_ranges_m) = (read, true_ranges_m);
+                }
+            }
+            Sensing::Both => {
+                let camera = site.setup.sensors.of(&Scan::default()).clone();
+                site.setup.sensors = Sensors::new(vec![camera, Arc::new(laser)]);
+                for (number, scan) in scans.iter_mut().enumerate() {
+                    let (read, true_ranges_m) = look(&site, &laser, (seed, number), scan.scan.clone());
+                    scan.beside = vec![beside(read, true_ranges_m, &laser)];
+                }
+            }
+        }
+        if scans.iter().any(|simulated| simulated.together().is_empty()) {
+            return Err(Failure::BadInput(format!(
+                "--families: {}: its robot reads nothing at some times; give it [camera], or a sensor without every",
+                family.name
+            )));
         }
         let mut witness = Witness::new(&site.ground);
         scans.iter().enumerate().try_for_each(|(number, scan)| witness.look(&site.ground, number, scan))?;
@@ -153,7 +177,7 @@ impl Drive {
             filter = filter.beside(self.camera, rules).map_err(Failure::internal)?;
         }
         for ((scan, features), odometry) in self.scans.iter().zip(&self.features).zip(&self.odometry) {
-            filter.take_with(&scan.scan, &features.readings, *odometry);
+            filter.take_together(&mounted(&carried(scan)), &features.readings, *odometry);
         }
         let last = ground.drive.poses.last().map(|timed| timed.pose);
         let nees = last.zip(Moments::of(filter.particles())).and_then(|(last, moments)| consistency(&moments, last));
@@ -208,7 +232,9 @@ impl Drive {
         let Site { ground, setup } = &self.site;
         let mut mapper = entry.mapper(setup);
         for (scan, pose) in self.scans.iter().zip(poses) {
-            mapper.integrate(&Scan { pose: *pose, ..scan.scan.clone() });
+            let mut moved = scan.clone();
+            moved.move_to(*pose);
+            mapper.integrate_together(&moved.together());
         }
         mapper.settle();
         let scorer = Scorer::new(&ground.truth, self.seen.surface())?;
@@ -218,14 +244,23 @@ impl Drive {
     }
 }
 
-/// Puts what a laser measures in the place of what the camera did.
-fn look(site: &Site, laser: &Laser, (seed, number): (u64, usize), scan: &mut SimulatedScan) {
+/// What a laser measures where and when a scan was made, and the true ranges, m.
+fn look(site: &Site, laser: &Laser, (seed, number): (u64, usize), at: Scan) -> (Scan, Vec<Option<f64>>) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     random.set_stream(LASER + number as u64);
-    let pose = scan.scan.pose;
-    scan.scan.bearings_rad = (0..BEAMS).map(|beam| (f64::from(beam) - 90.0).to_radians()).collect();
-    let cast =
-        |bearing: &f64| site.ground.world.cast(pose.position_m(), pose.direction(*bearing)).map(|hit| hit.range_m);
-    scan.true_ranges_m = scan.scan.bearings_rad.iter().map(cast).collect();
-    scan.scan.readings = scan.true_ranges_m.iter().map(|range_m| Some(laser.sample(*range_m, &mut random))).collect();
+    let bearings_rad: Vec<f64> = (0..BEAMS).map(|beam| (f64::from(beam) - 90.0).to_radians()).collect();
+    let cast = |bearing: &f64| {
+        site.ground.world.cast(at.pose.position_m(), at.pose.direction(*bearing)).map(|hit| hit.range_m)
+    };
+    let true_ranges_m: Vec<Option<f64>> = bearings_rad.iter().map(cast).collect();
+    let readings = true_ranges_m.iter().map(|range_m| Some(laser.sample(*range_m, &mut random))).collect();
+    (Scan { bearings_rad, readings, ..at }, true_ranges_m)
+}
+
+/// The same as of a sensor beside the camera, in the middle of the robot.
+fn beside(scan: Scan, true_ranges_m: Vec<Option<f64>>, laser: &Laser) -> BesideScan {
+    let rays = scan.bearings_rad.iter().zip(&true_ranges_m);
+    let looks =
+        rays.map(|(&bearing_rad, &range_m)| Look { bearing_rad, range_m, reach_m: laser.max_range_m }).collect();
+    BesideScan { scan: Scan { sensor: 1, ..scan }, mount: Pose::default(), true_ranges_m, looks }
 }

@@ -1,53 +1,105 @@
 //! Scans from a log.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
+use std::sync::Arc;
 
 use logs::{Log, LogError, Options, Sensor};
+use sensor::{Laser, Scan, Stereo};
 
-use super::scans::{Kernel, ScanSet};
+use super::scans::{Carrier, Kernel, ScanSet};
 use crate::failure::Failure;
-use crate::worlds::kernels;
+use crate::worlds::kernels::{self, SonarOptions};
 
 /// More rays are taken for a mistake: these need 2 GB.
 const MOST_RAYS: usize = 50_000_000;
 
-/// Reads a log, or a table of scans, for the given kernel. 32 bytes are kept of each ray.
+/// Reads a log, or a table of scans, for the given kernel; of a log of several kinds of sensors, or of sonars, each for what it is. 32 bytes are
+/// kept of each ray, and as many more while it is read.
 ///
 /// # Errors
 /// A file that cannot be read; the first line of it that is damaged; disparities for a laser.
 pub fn load(path: &Path, kernel: Kernel) -> Result<ScanSet, Failure> {
-    let refuse = |what: &str| Failure::BadInput(format!("{}{what}", path.display()));
     // A camera sees as far as its disparities reach, and ends of ranges beyond are on the map.
     let max_range_m = (kernel == Kernel::Stereo).then_some(f64::INFINITY);
-    let options = Options { max_range_m, sonars: false, problems: 1, ..Options::default() };
-    let mut log = Log::open(path, &options).map_err(refused)?;
-    let mut set = match (kernel, log.sensor()) {
-        (Kernel::Laser, Sensor::Stereo | Sensor::Sonar { .. }) => {
-            return Err(refuse(": holds disparities, which no laser reads; leave out --sensor laser"));
+    let mut read = Read::of(path, max_range_m)?;
+    let is_one_kind = read.kinds().len() == 1;
+    match read.sensors.values().next() {
+        Some(Sensor::Stereo) if is_one_kind && kernel == Kernel::Laser => {
+            let what = "holds disparities, which no laser reads; leave out --sensor laser";
+            return Err(Failure::BadInput(format!("{}: {what}", path.display())));
         }
-        (Kernel::Laser, Sensor::Laser { max_range_m, .. }) => ScanSet::of_laser(max_range_m),
-        (Kernel::Stereo, _) => ScanSet::default(),
+        Some(_) if !is_one_kind && max_range_m.is_some() => read = Read::of(path, None)?,
+        _ => {}
+    }
+    let by_ranges = is_one_kind && kernel == Kernel::Stereo;
+    let carrier = |(number, sensor): (&usize, &Sensor)| {
+        let called = format!("{number} {}", kernels::kind(*sensor));
+        match *sensor {
+            Sensor::Laser { .. } if by_ranges => Carrier::by_ranges(&called),
+            Sensor::Laser { max_range_m, .. } => {
+                Carrier::new(&called, Arc::new(Laser { max_range_m, ..Laser::default() }))
+            }
+            Sensor::Stereo => Carrier::camera(&called, Stereo::default()),
+            Sensor::Sonar { max_range_m, width_rad } => {
+                let sonar = SonarOptions::default().sonar(max_range_m, width_rad);
+                Carrier::new(&called, Arc::new(sonar))
+            }
+        }
     };
-    let disparities = log.sensor() == Sensor::Stereo;
-    for scan in &mut log {
-        let scan = scan.map_err(refused)?;
-        set.begin(scan.pose);
-        for (&bearing, &reading) in scan.bearings_rad.iter().zip(&scan.readings) {
-            if disparities { set.disparity(bearing, reading) } else { set.ray(bearing, reading) }
-        }
-        if set.rays() > MOST_RAYS {
-            return Err(refuse(&format!(": must be at most {MOST_RAYS} rays; split the file")));
-        }
-    }
-    let report = log.report();
-    kernels::one_kind(&path.display().to_string(), report, "`speed`")?;
-    match report.problems.first().filter(|_| report.damaged > 0) {
-        Some(problem) => Err(refuse(&format!(":{}: {}", problem.line, problem.reason))),
-        None => Ok(set),
-    }
+    let mut set = ScanSet::of(read.sensors.iter().map(carrier).collect());
+    read.scans().iter().for_each(|scan| set.add(scan));
+    Ok(set)
 }
 
-/// A log is input: what is wrong with it, the user can correct.
-fn refused(error: LogError) -> Failure {
-    Failure::BadInput(error.to_string())
+/// What a log holds.
+struct Read {
+    /// What took the first scan of every sensor, by its number.
+    sensors: BTreeMap<usize, Sensor>,
+    scans: Vec<Scan>,
+}
+
+impl Read {
+    fn of(path: &Path, max_range_m: Option<f64>) -> Result<Self, Failure> {
+        let refuse = |what: &str| Failure::BadInput(format!("{}{what}", path.display()));
+        let refused = |error: LogError| Failure::BadInput(error.to_string());
+        let options = Options { max_range_m, problems: 1, ..Options::default() };
+        let mut log = Log::open(path, &options).map_err(refused)?;
+        let mut read = Self { sensors: BTreeMap::new(), scans: Vec::new() };
+        let mut rays = 0;
+        while let Some(event) = log.next_event() {
+            let event = event.map_err(refused)?;
+            read.sensors.entry(event.sensor).or_insert(event.kind);
+            rays += event.scan.readings.len();
+            read.scans.push(event.scan);
+            if rays > MOST_RAYS {
+                return Err(refuse(&format!(": must be at most {MOST_RAYS} rays; split the file")));
+            }
+        }
+        let report = log.report();
+        match report.problems.first().filter(|_| report.damaged > 0) {
+            Some(problem) => Err(refuse(&format!(":{}: {}", problem.line, problem.reason))),
+            None => Ok(read),
+        }
+    }
+
+    fn kinds(&self) -> BTreeSet<&'static str> {
+        self.sensors.values().map(|sensor| kernels::kind(*sensor)).collect()
+    }
+
+    /// The scans with their sensors counted from 0. Those of one sensor are a second apart in the order of the log, whatever its times; of
+    /// several, those of one time stand by rising numbers.
+    fn scans(&mut self) -> &[Scan] {
+        let is_one = self.sensors.len() == 1;
+        let places: BTreeMap<usize, usize> = self.sensors.keys().copied().zip(0..).collect();
+        for (number, scan) in self.scans.iter_mut().enumerate() {
+            scan.sensor = places[&scan.sensor];
+            if is_one {
+                scan.time_s = number as f64;
+            }
+        }
+        let at_once = |a: &Scan, b: &Scan| a.time_s.total_cmp(&b.time_s).is_eq();
+        self.scans.chunk_by_mut(at_once).for_each(|scans| scans.sort_by_key(|scan| scan.sensor));
+        &self.scans
+    }
 }

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use mapper::Model;
 use mapper::catalogue::Entry;
-use mapper::{Outside, Work};
+use mapper::{Mapper, Outside, Work, moments};
 
 use super::scans::{ScanSet, Visited};
 use super::world::Known;
@@ -83,12 +83,14 @@ fn once(entry: &Entry, setup: &Model, set: &ScanSet, world: Known) -> Done {
         return one_by_one(entry, setup, set);
     }
     let mut mapper = (entry.build)(setup);
+    // What several sensors read at one time is one scan.
+    let take = |mapper: &mut dyn Mapper| moments(&set.scans).for_each(|scans| mapper.integrate_together(scans));
     if world == Known::Settled {
-        (0..2).for_each(|_| set.scans.iter().for_each(|scan| mapper.integrate(scan)));
+        (0..2).for_each(|_| take(&mut *mapper));
     }
     let before = [mapper.work().cells, mapper.skipped()];
     let start = Instant::now();
-    set.scans.iter().for_each(|scan| mapper.integrate(scan));
+    take(&mut *mapper);
     mapper.settle();
     let seconds = start.elapsed().as_secs_f64();
     // What it holds before it shows its map to others, which may take a copy.
@@ -102,10 +104,10 @@ fn once(entry: &Entry, setup: &Model, set: &ScanSet, world: Known) -> Done {
 /// Every scan on a map of its own, without the time to make it.
 fn one_by_one(entry: &Entry, setup: &Model, set: &ScanSet) -> Done {
     let mut done = Done { seconds: 0.0, work: Work::default(), skipped: 0, leaves_out: false, outside: None };
-    for scan in &set.scans {
+    for scans in moments(&set.scans) {
         let mut mapper = (entry.build)(setup);
         let start = Instant::now();
-        mapper.integrate(scan);
+        mapper.integrate_together(scans);
         done.seconds += start.elapsed().as_secs_f64();
         let work = mapper.work();
         done.work = Work { cells: done.work.cells + work.cells, bytes: done.work.bytes.max(work.bytes) };
@@ -161,7 +163,6 @@ mod tests {
     use std::sync::Arc;
 
     use grid::Raster;
-    use mapper::Mapper;
     use mapper::catalogue::Kind;
     use sensor::{Pose, Scan, Stereo};
 

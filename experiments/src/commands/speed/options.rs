@@ -22,10 +22,10 @@ const MOST_REPEATS: u32 = 1000;
 #[derive(Debug, Args)]
 #[command(after_long_help = FORM)]
 pub struct SpeedOptions {
-    /// Scans to map, a CARMEN log or a table; its form: speed --help [default: 360 scans of 200 rays in a hall of 40 m by 40 m]
+    /// Scans to map: a CARMEN log, a table (its form: speed --help), or a scene with all of its sensors [default: 360 scans of 200 rays in a hall of 40 m by 40 m]
     #[arg(long, value_name = "FILE")]
     pub scans: Option<PathBuf>,
-    /// What the mappers take the scans of --scans for
+    /// What the mappers take the scans of --scans for, of a log of one kind of sensor
     #[arg(long, value_enum, default_value_t, requires = "scans")]
     pub sensor: Kernel,
     /// Mappers, comma-separated (see `list`); those that take all scans at once solve once, at the end
@@ -73,6 +73,8 @@ It is read as by `replay` (see replay --help), but no damaged line is passed ove
 pose are a scan, and columns may stand in any order, among others. With --sensor stereo, a range becomes the noise-free disparity \
 that the camera of the paper would read, or the table has disparity_px instead. Without a range, or where the camera cannot see \
 it (a depth below 0.25 m, or behind the camera), the ray has no reading, and is not counted. With --sensor laser, the range is \
-the reading; a range of 80 m or more (in a CARMEN log, of its maximum) is no echo, and is not counted.
+the reading; a range of 80 m or more (in a CARMEN log, of its maximum) is no echo, and is not counted. In a table of several kinds (disparity_px, \
+range_m, sonar_m, by the column sensor), and of sonars, each sensor is what it is. What several sensors read at one time is one scan; each is \
+measured without the others too.
 
 The map covers all poses and ends of ranges, and 1 m more on every side.";

@@ -4,7 +4,10 @@ use std::sync::Arc;
 
 use clap::ValueEnum;
 use grid::{DigitalLine, GridSpec};
-use sensor::{InverseModel as _, Laser, Pose, Scan, SensorModel, Stereo};
+use mapper::Sensors;
+use sensor::{Laser, Pose, Scan};
+
+pub use super::carrier::Carrier;
 
 /// The map reaches so much farther than all poses and ranges, m.
 const MARGIN_M: f64 = 1.0;
@@ -30,23 +33,22 @@ pub enum Kernel {
 }
 
 /// Scans, with the ranges that their readings stand for.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct ScanSet {
-    /// In the order in which they are mapped.
+    /// In the order in which they are mapped; those of one time stand together by rising numbers of their sensors.
     pub scans: Vec<Scan>,
     /// Range of every ray of every scan, m; of a ray without a reading or an echo, NaN.
     ranges_m: Vec<f64>,
     /// Lower-left and upper-right corner of all poses and ends of ranges, m; none before the first pose.
     extent_m: Option<[[f64; 2]; 2]>,
-    stereo: Stereo,
-    /// None of scans that the camera takes.
-    laser: Option<Laser>,
+    /// What took the scans, by number; one at least.
+    sensors: Vec<Carrier>,
 }
 
 /// Cells from the sensor to the end of every range, both included: what rays and grid ask of every mapper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Visited {
-    /// Four-connected cells, one for every ray that crosses it.
+    /// Four-connected cells, one for every ray that crosses it; of a cone, those along its axis.
     pub cells: u64,
     /// Those of them that a ray enters by more than rounding, up to where unseen space is opaque: a mapper that updates fewer has not
     /// done its work.
@@ -55,43 +57,76 @@ pub struct Visited {
     pub rays: u64,
 }
 
+impl Default for ScanSet {
+    /// No scans yet, of the paper's camera, which is given ranges.
+    fn default() -> Self {
+        Self::of(vec![Carrier::by_ranges("camera")])
+    }
+}
+
 impl ScanSet {
+    /// No scans yet, of these sensors, one at least.
+    pub fn of(sensors: Vec<Carrier>) -> Self {
+        Self { scans: Vec::new(), ranges_m: Vec::new(), extent_m: None, sensors }
+    }
+
     /// No scans yet, of a laser that sees so far, m.
     pub fn of_laser(max_range_m: f64) -> Self {
-        Self { laser: Some(Laser { max_range_m, ..Laser::default() }), ..Self::default() }
+        Self::of(vec![Carrier::new("laser", Arc::new(Laser { max_range_m, ..Laser::default() }))])
     }
 
     /// What took the scans.
-    pub fn sensor(&self) -> Arc<dyn SensorModel> {
-        match self.laser {
-            Some(laser) => Arc::new(laser),
-            None => Arc::new(self.stereo),
-        }
+    pub fn sensors(&self) -> Sensors {
+        Sensors::new(self.sensors.iter().map(|carrier| carrier.model.clone()).collect())
     }
 
-    /// The next scan, from this pose, without rays yet.
+    /// What the sensors are called, by number.
+    pub fn called(&self) -> impl ExactSizeIterator<Item = &str> {
+        self.sensors.iter().map(|carrier| carrier.called.as_str())
+    }
+
+    /// The scans of one of the sensors alone, which keeps its number.
+    pub fn of_sensor(&self, number: usize) -> Self {
+        let mut alone = Self { extent_m: self.extent_m, ..Self::of(self.sensors.clone()) };
+        let mut first = 0;
+        for scan in &self.scans {
+            let rays = first..first + scan.readings.len();
+            first = rays.end;
+            if scan.sensor == number {
+                alone.scans.push(scan.clone());
+                alone.ranges_m.extend_from_slice(&self.ranges_m[rays]);
+            }
+        }
+        alone
+    }
+
+    /// The next scan of the first sensor, from this pose, without rays yet, a second after the last.
     pub fn begin(&mut self, pose: Pose) {
+        self.begin_of(0, self.scans.len() as f64, pose);
+    }
+
+    fn begin_of(&mut self, sensor: usize, time_s: f64, pose: Pose) {
         self.fit();
-        self.scans.push(Scan { time_s: self.scans.len() as f64, pose, ..Scan::default() });
+        self.scans.push(Scan { sensor, time_s, pose, ..Scan::default() });
         self.reach(pose.position_m());
     }
 
-    /// One more ray of the scan that was begun last. A range (m) that the camera cannot see gives no reading; an
-    /// infinite one is no echo.
-    pub fn ray(&mut self, bearing_rad: f64, range_m: Option<f64>) {
-        let stereo = self.stereo;
-        let seen = |range: f64| Some(stereo.disparity(range, bearing_rad)).filter(|d| *d <= stereo.max_disparity);
-        let reading = match self.laser {
-            Some(_) => range_m,
-            None => range_m.filter(|range| range.is_finite()).and_then(seen),
-        };
-        self.push(bearing_rad, reading, range_m.filter(|range| range.is_finite()));
+    /// The next scan, as its sensor is given its readings.
+    ///
+    /// # Panics
+    /// If there is no such sensor.
+    pub fn add(&mut self, scan: &Scan) {
+        self.begin_of(scan.sensor, scan.time_s, scan.pose);
+        for (&bearing_rad, &reading) in scan.bearings_rad.iter().zip(&scan.readings) {
+            self.ray(bearing_rad, reading);
+        }
     }
 
-    /// As [`ray`](Self::ray), by its disparity, px.
-    pub fn disparity(&mut self, bearing_rad: f64, disparity: Option<f64>) {
-        let reading = disparity.filter(|disparity| *disparity <= self.stereo.max_disparity);
-        let range_m = reading.and_then(|disparity| self.stereo.range_of(disparity, bearing_rad));
+    /// One more ray of the scan that was begun last, by what its sensor is given: a range (m) or a disparity (px). A range that a camera
+    /// cannot see gives no reading; an infinite one is no echo.
+    pub fn ray(&mut self, bearing_rad: f64, given: Option<f64>) {
+        let number = self.scans.last().map_or(0, |scan| scan.sensor);
+        let (reading, range_m) = self.sensors[number].read(bearing_rad, given);
         self.push(bearing_rad, reading, range_m);
     }
 
@@ -145,13 +180,15 @@ impl ScanSet {
     pub fn visited(&self, spec: &GridSpec) -> Visited {
         let mut visited = Visited::default();
         let mut line = DigitalLine::default();
-        let rays = self.scans.iter().flat_map(Scan::rays).zip(&self.ranges_m);
-        for (ray, &range) in rays.filter(|(_, range)| !range.is_nan()) {
+        let is_cone: Vec<bool> = self.sensors.iter().map(|carrier| carrier.model.width_rad() > 0.0).collect();
+        let rays = self.scans.iter().flat_map(|scan| scan.rays().map(|ray| (ray, is_cone[scan.sensor])));
+        for ((ray, is_cone), &range) in rays.zip(&self.ranges_m).filter(|(_, range)| !range.is_nan()) {
             line.trace(spec, ray.origin_m, ray.direction, range);
             let entered = &line.ranges()[..line.len()];
             let beyond = entered.iter().rev().take_while(|at| **at >= range * (1.0 - ROUNDING)).count();
             visited.cells += line.len() as u64;
-            visited.owed += (line.len() - beyond).min(OPAQUE_CELLS) as u64;
+            // What a rule makes of a cone besides its axis, and in what order, is its own.
+            visited.owed += if is_cone { 0 } else { (line.len() - beyond).min(OPAQUE_CELLS) as u64 };
             visited.rays += 1;
         }
         visited
@@ -161,6 +198,7 @@ impl ScanSet {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use sensor::{Sonar, Stereo};
 
     #[test]
     fn a_range_that_the_camera_cannot_see_is_no_reading_but_is_on_the_map() {
@@ -190,12 +228,13 @@ mod tests {
 
     #[test]
     fn a_disparity_is_taken_as_it_is() {
-        let (mut by_range, mut by_disparity) = (ScanSet::default(), ScanSet::default());
+        let mut by_range = ScanSet::default();
+        let mut by_disparity = ScanSet::of(vec![Carrier::camera("camera", Stereo::default())]);
         by_range.begin(Pose::default());
         by_disparity.begin(Pose::default());
         by_range.ray(0.3, Some(1.5));
-        by_disparity.disparity(0.3, by_range.scans[0].readings[0]);
-        by_disparity.disparity(0.3, Some(60.5));
+        by_disparity.ray(0.3, by_range.scans[0].readings[0]);
+        by_disparity.ray(0.3, Some(60.5));
         assert_eq!(by_disparity.scans[0].readings, [by_range.scans[0].readings[0], None]);
         assert!((by_disparity.ranges_m[0] - 1.5).abs() < 1e-12);
     }
@@ -227,5 +266,32 @@ mod tests {
         let message = set.grid(0.05).expect_err("45 million cells along x");
         assert!(message.contains("25000000") && message.contains("--grid"), "{message}");
         assert!(set.grid(1.0).is_ok());
+    }
+    #[test]
+    fn several_sensors_keep_their_readings_and_can_be_taken_apart() {
+        let sensors = vec![
+            Carrier::camera("camera", Stereo::default()),
+            Carrier::new("laser", Arc::new(Laser::default())),
+            Carrier::new("ring", Arc::new(Sonar::default())),
+        ];
+        let mut set = ScanSet::of(sensors);
+        let scan = |sensor: usize, time_s: f64, readings: &[f64]| Scan {
+            sensor,
+            time_s,
+            pose: Pose { x_m: 0.25, y_m: 0.25, theta_rad: 0.0 },
+            bearings_rad: vec![0.0; readings.len()],
+            readings: readings.iter().map(|reading| Some(*reading)).collect(),
+        };
+        // 15 px are a metre.
+        let scans = [scan(0, 1.0, &[15.0, 70.0]), scan(1, 1.0, &[1.0, f64::INFINITY]), scan(2, 2.0, &[1.0])];
+        scans.iter().for_each(|scan| set.add(scan));
+        assert_eq!(set.scans[0].readings, [Some(15.0), None], "60 px are searched");
+        assert_eq!(set.scans[1..], scans[1..]);
+        let spec = GridSpec { cell_m: 0.25, origin_m: [-1.125; 2], width: 12, height: 8 };
+        assert_eq!(set.visited(&spec), Visited { cells: 15, owed: 10, rays: 3 }, "a cone owes nothing");
+        let apart: Vec<ScanSet> = (0..3).map(|number| set.of_sensor(number)).collect();
+        let visited: Vec<u64> = apart.iter().map(|set| set.visited(&spec).cells).collect();
+        assert_eq!((visited, apart[2].scans.len()), (vec![5, 5, 5], 1));
+        assert_eq!(set.called().collect::<Vec<_>>(), ["camera", "laser", "ring"]);
     }
 }

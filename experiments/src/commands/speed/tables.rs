@@ -7,7 +7,7 @@ use serde_json::json;
 use super::measure::Speed;
 use super::scans::Visited;
 use super::world::Known;
-use crate::output::table::{Table, optional, rounded};
+use crate::output::table::{Table, aligned, optional, rounded};
 use crate::worlds::ranked::{Head, SortOption, legend};
 
 /// What was mapped, on what.
@@ -87,6 +87,62 @@ pub const COLUMNS: [&str; 16] = [
     "world",
     "processor",
 ];
+
+/// The speeds of the scans of one of several sensors, mapped without the others.
+#[derive(Debug, Clone)]
+pub struct Alone {
+    /// What the sensor is called.
+    pub sensor: String,
+    /// Number of its scans, and what their rays ask of every mapper.
+    pub scans: usize,
+    pub visited: Visited,
+    /// Every mapper, as those of all sensors.
+    pub speeds: Vec<Speed>,
+}
+
+/// A row for every sensor and mapper.
+pub fn by_sensor(alone: &[Alone]) -> Table {
+    let rows: Vec<(&Alone, &Speed)> =
+        alone.iter().flat_map(|alone| alone.speeds.iter().map(move |speed| (alone, speed))).collect();
+    Table::of(
+        &rows,
+        &[
+            ("sensor", &|(alone, _)| json!(alone.sensor)),
+            ("mapper", &|(_, speed)| json!(speed.mapper)),
+            ("cells_visited", &|(alone, _)| json!(alone.visited.cells)),
+            ("ns_per_cell", &|(alone, speed)| rounded(ns_per_cell(speed.best_s(), &alone.visited))),
+            ("rays_per_s", &|(alone, speed)| rounded(alone.visited.rays as f64 / speed.best_s())),
+            ("scans_per_s", &|(alone, speed)| rounded(alone.scans as f64 / speed.best_s())),
+            ("cells_updated", &|(_, speed)| json!(Some(speed.work.cells).filter(|cells| *cells > 0))),
+            ("cells_skipped", &|(_, speed)| json!(speed.skipped)),
+            ("ns_per_cell_median", &|(alone, speed)| rounded(ns_per_cell(speed.median_s(), &alone.visited))),
+            ("scans", &|(alone, _)| json!(alone.scans)),
+            ("rays", &|(alone, _)| json!(alone.visited.rays)),
+        ],
+    )
+}
+
+/// The same for reading: of every sensor alone, nanoseconds per cell visited and rays per second.
+pub fn sensors_text(alone: &[Alone]) -> String {
+    let rows = alone.iter().flat_map(|alone| {
+        alone.speeds.iter().enumerate().map(move |(place, speed)| {
+            let name = if place == 0 { shortened(&alone.sensor, 24) } else { String::new() };
+            let [ns, rays] = match speed.seconds.is_empty() {
+                true => ["-".to_owned(), "-".to_owned()],
+                false => [
+                    format!("{:.1}", ns_per_cell(speed.best_s(), &alone.visited)),
+                    short((alone.visited.rays as f64 / speed.best_s()).round() as u64),
+                ],
+            };
+            vec![name, speed.mapper.to_owned(), ns, rays, short(alone.visited.rays)]
+        })
+    });
+    let rows: Vec<Vec<String>> = rows.collect();
+    format!(
+        "\nThe scans of each sensor without the others; of a cone, the cells along its axis\ncount as visited:\n\n{}",
+        aligned(&["sensor", "mapper", "ns/cell", "rays/s", "rays"], &rows)
+    )
+}
 
 /// The heads of the table for reading.
 pub const HEADS: [Head; 7] = [
@@ -217,6 +273,25 @@ mod tests {
         let text = text(&speeds, &conditions, &SortOption::default());
         assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
         assert!(text.contains("12,345M cells visited") && text.contains("..."), "{text}");
+    }
+
+    #[test]
+    fn sensors_stand_apart_and_fit_eighty_columns() {
+        let (speeds, conditions) = measured();
+        let alone = |sensor: &str, cells| Alone {
+            sensor: sensor.to_owned(),
+            scans: 36,
+            visited: Visited { cells, ..conditions.visited },
+            speeds: speeds.clone(),
+        };
+        let all = [alone("0 stereo", 1_000_000_000), alone(&"a long name of a sensor ".repeat(9), 4_000_000_000)];
+        let rows = by_sensor(&all).to_json()["rows"].clone();
+        let found: Vec<_> = (0..4).map(|k| (&rows[k]["mapper"], rows[k]["ns_per_cell"].as_f64())).collect();
+        let (cartographer, mrf) = (json!("log-odds-cartographer"), json!("mrf"));
+        let two = [(&cartographer, Some(2.0)), (&mrf, Some(2.0)), (&cartographer, Some(0.5)), (&mrf, Some(0.5))];
+        assert_eq!(found, two);
+        let text = sensors_text(&all);
+        assert!(text.lines().all(|line| line.chars().count() <= 80) && text.contains("0 stereo"), "{text}");
     }
 
     #[test]

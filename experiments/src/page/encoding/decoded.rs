@@ -33,6 +33,8 @@ pub struct DecodedWorld {
     pub regions: Vec<(String, Raster<bool>)>,
     /// Readings, scan after scan, px or m.
     pub readings: Vec<Option<f64>>,
+    /// The sensors of several by name, with their readings as above.
+    pub sensors: Vec<(String, Vec<Option<f64>>)>,
     /// The mappers.
     pub mappers: Vec<DecodedMapper>,
 }
@@ -80,7 +82,15 @@ struct World {
     #[serde(default)]
     moving: Option<String>,
     parts: String,
+    #[serde(default)]
+    sensors: Vec<Sensor>,
     mappers: Vec<Mapper>,
+}
+
+#[derive(Deserialize)]
+struct Sensor {
+    name: String,
+    scans: Scans,
 }
 
 #[derive(Deserialize)]
@@ -161,6 +171,11 @@ impl World {
             parts: parts.into_iter().map(|cells| Raster::new(spec, cells.iter().map(part).collect())).collect(),
             regions: self.regions.iter().map(region).collect::<Option<_>>()?,
             readings: self.scans.as_ref().map_or(Some(Vec::new()), Scans::readings)?,
+            sensors: self
+                .sensors
+                .iter()
+                .map(|sensor| Some((sensor.name.clone(), sensor.scans.readings()?)))
+                .collect::<Option<_>>()?,
             mappers: self.mappers.iter().map(|mapper| mapper.decoded(self, spec, scale)).collect::<Option<_>>()?,
         })
     }

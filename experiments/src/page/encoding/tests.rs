@@ -55,6 +55,7 @@ fn world(name: &str, width: usize, height: usize, mappers: usize, moments: usize
         truth: Some(Raster::filled(grid, Some(false))),
         route_m: Vec::new(),
         scans: Some(scans),
+        sensors: Vec::new(),
         moments: (0..moments).map(moment).collect(),
         stages: vec![Stage { name: "end".to_owned(), label: "at <last>".to_owned(), scans: 10 * moments }],
         regions: Vec::new(),
