@@ -48,7 +48,10 @@ pub(super) fn page(
         ));
     }
     if told.sensors.len() > 1 {
-        let sheet = Sheet::of("Sensors of the robot", &sensors::table(told));
+        let sheet = Sheet::of(
+            "Sensors of the robot",
+            &sensors::table(sensors::Robot { sensors: told.sensors, scans: told.scans, model: told.model }),
+        );
         sections.push(section("Sensors", sensors::SENSORS, vec![Part::Sheet(sheet)]));
     }
     sections.push(section("Along the way", "", vec![picture("along.png", along::CAPTION, pictures.along)]));

@@ -264,7 +264,7 @@ pub(super) fn text(told: &Told) -> String {
         updates.len(),
         told.options.particles,
         told.entry.name,
-        sensors::text(told),
+        sensors::text(sensors::Robot { sensors: told.sensors, scans: told.scans, model: told.model }),
     );
     if !told.scores.table().rows().is_empty() {
         text.push('\n');
