@@ -5,7 +5,9 @@
 
 mod chain;
 pub mod field;
+mod moves;
 mod rays;
+mod surface;
 mod tally;
 mod walk;
 mod weights;
