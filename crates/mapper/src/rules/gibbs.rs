@@ -67,7 +67,7 @@ pub struct Sampling {
 }
 
 impl Sampling {
-    /// Chosen on four tuning worlds, one of each family: `cargo run -p experiments --features fitting --example gibbs_parameters`.
+    /// Chosen on tuning worlds of all families: `cargo run -p experiments --features fitting --example gibbs_parameters`.
     pub const TUNED: Self = Self {
         weight: 0.2,
         leak: 0.1,
