@@ -108,8 +108,8 @@ pub(super) fn try_flip(walk: &mut Walk, cells: &[usize], most: f64, draw: f64) {
     }
 }
 
-/// Flips cells of both kinds, those of a shift, if that is worth it by a uniform draw. Nothing is tried where filling one of them by itself would cost more than
-/// `most` nats of likelihood, before or on the way back.
+/// Flips cells of both kinds, those of a shift, if that is worth it by a uniform draw. Nothing is tried where filling one of them by itself would cost
+/// more than `most` nats of likelihood, before or on the way back.
 pub(super) fn try_shift(walk: &mut Walk, cells: &[usize], most: f64, draw: f64) {
     let may_fill = |walk: &Walk| cells.iter().all(|&cell| walk.occupied()[cell] || walk.costs_less(cell, most));
     if !cells.is_empty() && may_fill(walk) {

@@ -12,12 +12,13 @@ pub(super) struct Course<'a> {
 }
 
 /// `P(o | first occupied cell)` of every cell of a ray, per unit of the reading, from `P(o | F_k)`, that of a surface somewhere on the chord of the
-/// cell, and that of a ray which hits nothing. `is_beside` says of a cell but the first whether the ray enters it from the column beside, else it does from a row.
+/// cell, and that of a ray which hits nothing. `is_beside` says of a cell but the first whether the ray enters it from the column beside, else it does
+/// from a row.
 ///
 /// A cell is occupied where an obstacle covers any part of it: the surface lies up to one side of a cell behind the face through which the ray
 /// enters, at a depth of which nothing is known, and is taken to be parallel to it. A ray with direction `d` is on its way through this depth for up to
-/// `cell_m / |n d|` metres, `n` the normal of the face; the likelihood is the mean over these. Head on that is about one cell; a ray that grazes a wall passes many cells of
-/// which the wall covers a part. Nothing is known of the face of the sensor's own cell, whose chord counts.
+/// `cell_m / |n d|` metres, `n` the normal of the face; the likelihood is the mean over these. Head on that is about one cell; a ray that grazes a wall
+/// passes many cells of which the wall covers a part. Nothing is known of the face of the sensor's own cell, whose chord counts.
 pub(super) fn likelihoods(
     course: &Course,
     is_beside: impl Fn(usize) -> bool,
