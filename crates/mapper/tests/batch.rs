@@ -52,6 +52,32 @@ impl Rays {
         Self(rays.collect())
     }
 
+    /// The same where a cell is occupied if an obstacle covers any part of it: the surface is parallel to the face through which the ray enters, at a
+    /// depth of up to a cell behind it. Sums over cells the share of these depths that the ray meets in each.
+    fn with_surfaces(setup: &Model, looks: &[Look]) -> Self {
+        let mut rays = Self::new(setup, looks);
+        let mut line = DigitalLine::default();
+        for ((cells, likelihood, none), look) in rays.0.iter_mut().zip(looks) {
+            let ray = scan(look).rays().next().expect("one ray");
+            line.trace(&setup.grid, ray.origin_m, ray.direction, f64::INFINITY);
+            let [x, y] = ray.direction;
+            let column = |k: usize| setup.grid.column_row(cells[k]).0;
+            let of_surface = |first: usize| {
+                if first == 0 {
+                    return likelihood[0];
+                }
+                let from = line.ranges()[first];
+                let to = from + setup.grid.cell_m / if column(first) == column(first - 1) { y.abs() } else { x.abs() };
+                let share = |a: f64, b: f64| (b.min(to) - a.max(from)).max(0.0) / (to - from);
+                let of_cells =
+                    (first..cells.len()).map(|k| likelihood[k] * share(line.ranges()[k], line.ranges()[k + 1]));
+                of_cells.sum::<f64>() + *none * share(line.ranges()[cells.len()], f64::INFINITY)
+            };
+            *likelihood = (0..cells.len()).map(of_surface).collect();
+        }
+        rays
+    }
+
     /// Likelihood of all readings given the map whose bits are the cells.
     fn likelihood(&self, map: u32) -> f64 {
         let rays = self.0.iter().map(|(cells, likelihood, none)| {
@@ -261,7 +287,7 @@ fn gibbs_samples_the_posterior() {
     let mut farthest: f64 = 0.0;
     for _ in 0..12 {
         let looks = random_looks(&mut rng, 12);
-        let rays = Rays::new(&setup, &looks);
+        let rays = Rays::with_surfaces(&setup, &looks);
         let exact = marginals(9, |map| rays.likelihood(map) * blocks(&setup, &field, map));
         let mut mapper = Gibbs::new(&setup, plain);
         looks.iter().for_each(|look| mapper.integrate(&scan(look)));

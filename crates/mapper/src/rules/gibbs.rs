@@ -5,7 +5,9 @@
 
 mod chain;
 pub mod field;
+mod moves;
 mod rays;
+mod surface;
 mod tally;
 mod walk;
 mod weights;
@@ -65,9 +67,9 @@ pub struct Sampling {
 }
 
 impl Sampling {
-    /// Chosen on four tuning worlds, one of each family: `cargo run -p experiments --features fitting --example gibbs_parameters`.
+    /// Chosen on tuning worlds of all families: `cargo run -p experiments --features fitting --example gibbs_parameters`.
     pub const TUNED: Self = Self {
-        weight: 0.5,
+        weight: 0.2,
         leak: 0.1,
         strength: 0.7,
         shift: -0.2,

@@ -1,6 +1,6 @@
 //! The readings of all scans, kept for mappers that solve for all of them at once.
 
-use grid::GridSpec;
+use grid::{DigitalLine, GridSpec};
 use sensor::Scan;
 
 use crate::memory::Held;
@@ -24,6 +24,8 @@ pub(crate) struct Readings {
     false_match: Vec<f64>,
     /// `P(o | no cell of the ray is occupied)`, one per ray.
     none: Vec<f64>,
+    /// Where every ray begins, m, and its direction.
+    lines: Vec<[[f64; 2]; 2]>,
     /// End of every ray in `cells`.
     ends: Vec<usize>,
 }
@@ -41,6 +43,7 @@ impl Readings {
             correct_match: Vec::new(),
             false_match: Vec::new(),
             none: Vec::new(),
+            lines: Vec::new(),
             ends: Vec::new(),
         }
     }
@@ -56,12 +59,18 @@ impl Readings {
             self.cells.extend(self.ray.line.cells().iter().map(|&cell| cell as u32));
             self.likelihood.extend(&self.ray.likelihood);
             self.none.push(self.ray.none);
+            self.lines.push([ray.origin_m, ray.direction]);
             self.ends.push(self.cells.len());
             self.correct_match.push(sensor.correct_match());
             // A bin of width 1: the density of false matches, which is uniform.
             let false_match = sensor.false_match_probability(reading, 0.5);
             self.false_match.push((1.0 - sensor.correct_match()) * false_match);
         }
+    }
+
+    /// The cells of the map.
+    pub(crate) fn spec(&self) -> &GridSpec {
+        &self.spec
     }
 
     /// Number of rays.
@@ -98,6 +107,13 @@ impl Readings {
     /// `P(o | no cell of the ray is occupied)`.
     pub(crate) fn none(&self, ray: usize) -> f64 {
         self.none[ray]
+    }
+
+    /// Ranges (m) at which a ray crosses from cell to cell, as [`DigitalLine::ranges`], and its direction. Traced anew into a buffer.
+    pub(crate) fn trace<'a>(&self, ray: usize, line: &'a mut DigitalLine) -> (&'a [f64], [f64; 2]) {
+        let [origin_m, direction] = self.lines[ray];
+        line.trace(&self.spec, origin_m, direction, f64::INFINITY);
+        (line.ranges(), direction)
     }
 
     /// The rays through each of so many cells. O(entries).
@@ -155,7 +171,7 @@ impl Held for Crossings {
 
 impl Held for Readings {
     fn held(&self) -> usize {
-        let rays = self.correct_match.held() + self.false_match.held() + self.none.held() + self.ends.held();
-        self.ray.held() + self.cells.held() + self.likelihood.held() + rays
+        let rays = self.correct_match.held() + self.false_match.held() + self.none.held() + self.lines.held();
+        self.ray.held() + self.cells.held() + self.likelihood.held() + self.ends.held() + rays
     }
 }

@@ -4,6 +4,7 @@ use grid::GridSpec;
 use rand::RngExt as _;
 use rand_chacha::ChaCha8Rng;
 
+use crate::rules::gibbs::moves::{Direction, MOST, Place, try_flip, try_shift};
 use crate::rules::gibbs::tally::Tally;
 use crate::rules::gibbs::walk::Walk;
 
@@ -16,6 +17,7 @@ pub(super) struct Chain<'a> {
     walk: Walk<'a>,
     rng: ChaCha8Rng,
     swept: usize,
+    /// Cells of a move.
     cells: Vec<usize>,
 }
 
@@ -51,7 +53,8 @@ impl<'a> Chain<'a> {
         tally
     }
 
-    /// Draws every cell given all others, tries to move every cell that differs from a neighbour, and tries boxes. Each step is in detailed
+    /// Draws every cell given all others, tries to move every cell that differs from a neighbour, and tries boxes, to flip and to
+    /// shift. Each step is in detailed
     /// balance with the posterior.
     fn sweep(&mut self, mut seen: impl FnMut(usize, f64)) {
         for cell in 0..self.spec.cells() {
@@ -66,8 +69,11 @@ impl<'a> Chain<'a> {
             let draw = self.rng.random();
             try_swap(&mut self.walk, cell, other, draw);
         }
-        for _ in 0..self.spec.cells() / TRIES {
+        for _ in 0..self.spec.cells() / FLIPS {
             self.flip_box();
+        }
+        for _ in 0..self.spec.cells() / SHIFTS {
+            self.shift_box();
         }
         self.swept += 1;
         if self.swept.is_multiple_of(RECOUNTED) {
@@ -79,33 +85,19 @@ impl<'a> Chain<'a> {
 impl Chain<'_> {
     /// Tries to flip a box of cells that are all alike, anywhere and of any size.
     fn flip_box(&mut self) {
-        let [width, height] = [(); 2].map(|()| SIDES[self.rng.random_range(0..SIDES.len())]);
-        let at = self.rng.random_range(0..self.spec.cells());
-        let (column, row) = self.spec.column_row(at);
-        if column + width <= self.spec.width && row + height <= self.spec.height {
-            let mut cells = std::mem::take(&mut self.cells);
-            cells.clear();
-            cells.extend(
-                (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| at + y * self.spec.width + x),
-            );
-            let draw = self.rng.random();
-            try_box(&mut self.walk, &cells, draw);
-            self.cells = cells;
+        if let Some(place) = Place::to_flip(&self.spec, &mut self.rng) {
+            place.cells(&self.spec, &mut self.cells);
+            try_flip(&mut self.walk, &self.cells, MOST, self.rng.random());
         }
     }
-}
 
-/// Flips cells that are all alike together, if that is worth it by a uniform draw, and the way back would be tried too.
-fn try_box(walk: &mut Walk, cells: &[usize], draw: f64) {
-    let state = walk.occupied()[cells[0]];
-    if cells.iter().any(|&cell| walk.occupied()[cell] != state) || !walk.all_cost_less(cells, MOST) {
-        return;
-    }
-    let change = walk.box_change(cells);
-    if draw < libm::exp(change.min(0.0)) {
-        cells.iter().for_each(|&cell| walk.flip(cell));
-        if !walk.all_cost_less(cells, MOST) {
-            cells.iter().for_each(|&cell| walk.flip(cell));
+    /// Tries to move all that is in a box, anywhere and of any size, by one cell. The way back is the same box and the opposite direction, as likely
+    /// as this one.
+    fn shift_box(&mut self) {
+        if let Some(place) = Place::to_shift(&self.spec, &mut self.rng) {
+            let to = Direction::ALL[self.rng.random_range(0..4)];
+            place.shifted(&self.spec, self.walk.occupied(), to, &mut self.cells);
+            try_shift(&mut self.walk, &self.cells, MOST, self.rng.random());
         }
     }
 }
@@ -121,19 +113,20 @@ fn try_swap(walk: &mut Walk, cell: usize, other: usize, draw: f64) {
     }
 }
 
-/// Sides of the boxes that are tried, all equally often.
-const SIDES: [usize; 10] = [1, 1, 1, 2, 2, 3, 4, 5, 7, 10];
+/// One box is flipped for so many cells of the map ...
+const FLIPS: usize = 16;
 
-/// One box is tried for so many cells of the map.
-const TRIES: usize = 16;
+/// ... and one is shifted for so many.
+const SHIFTS: usize = 32;
 
-/// A box is tried where none of its cells by itself would cost more than this, nats.
-const MOST: f64 = 30.0;
+/// Log odds beyond which a cell is surely free: no draw is less than their probability, 4e-18.
+const SURE: f64 = 40.0;
 
 /// Probability that a cell is occupied given all others.
 fn occupied(walk: &Walk, cell: usize) -> f64 {
     let change = walk.change(cell);
-    1.0 / (1.0 + libm::exp(if walk.occupied()[cell] { change } else { -change }))
+    let log_odds = if walk.occupied()[cell] { -change } else { change };
+    if log_odds < -SURE { 0.0 } else { 1.0 / (1.0 + libm::exp(-log_odds)) }
 }
 
 /// The cell beside another in one of eight directions.

@@ -1,6 +1,9 @@
 //! All rays, as a map's changes see them: by ray and by cell.
 
+use grid::DigitalLine;
+
 use crate::memory::Held;
+use crate::rules::gibbs::surface::{self, Course};
 use crate::rules::readings::{Crossings, Readings};
 
 /// A likelihood below this share of the ray's largest counts as this: it keeps logarithms finite.
@@ -38,6 +41,8 @@ impl<'a> Rays<'a> {
     pub(super) fn new(readings: &'a Readings, cells: usize, Reading { weight, leak }: Reading) -> Self {
         let mut log = Vec::with_capacity(readings.cells().len());
         let mut none = Vec::with_capacity(readings.rays());
+        let (mut line, mut met) = (DigitalLine::default(), Vec::new());
+        let spec = readings.spec();
         for ray in 0..readings.rays() {
             let likelihood = &readings.likelihood()[readings.span(ray)];
             let most = likelihood.iter().copied().fold(readings.none(ray), f64::max);
@@ -46,8 +51,13 @@ impl<'a> Rays<'a> {
             // What a ray ends in that passes its first occupied cell: most likely one of the next.
             let mut after = readings.none(ray);
             let begin = log.len();
-            for &l in likelihood.iter().rev() {
-                log.push(of((1.0 - leak) * l + leak * after));
+            let column = |cell: usize| spec.column_row(readings.cells()[readings.span(ray)][cell] as usize).0;
+            let (ranges_m, direction) = readings.trace(ray, &mut line);
+            let course = Course { ranges_m, direction, cell_m: spec.cell_m };
+            let is_beside = |cell: usize| column(cell) != column(cell - 1);
+            surface::likelihoods(&course, is_beside, likelihood, readings.none(ray), &mut met);
+            for (&l, &m) in likelihood.iter().zip(&met).rev() {
+                log.push(of((1.0 - leak) * m + leak * after));
                 after = GOES_ON * after + (1.0 - GOES_ON) * l;
             }
             log[begin..].reverse();

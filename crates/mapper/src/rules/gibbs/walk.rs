@@ -22,9 +22,15 @@ pub(super) struct Walk<'a> {
     gain: Vec<f64>,
     /// Log posterior up to a constant, nats.
     log_posterior: f64,
-    /// Rays that a box changes with the entries, and the blocks that it changes.
-    touched: Vec<(u32, u32)>,
+    /// Number of the last [`change_of`](Self::change_of), the rays that it changes and the blocks.
+    touches: u64,
+    touched: Vec<u32>,
     blocks: Vec<u32>,
+    /// The last of them to touch each ray, to count each block, and to clear the first occupied cell of each ray; the nearest entry that it fills.
+    is_touched: Vec<u64>,
+    is_counted: Vec<u64>,
+    cleared: Vec<u64>,
+    filled: Vec<u32>,
 }
 
 impl<'a> Walk<'a> {
@@ -42,8 +48,13 @@ impl<'a> Walk<'a> {
             nearest,
             gain,
             log_posterior: 0.0,
+            touches: 0,
             touched: Vec::new(),
             blocks: Vec::new(),
+            is_touched: vec![0; rays.count()],
+            is_counted: vec![0; spec.cells()],
+            cleared: vec![0; rays.count()],
+            filled: vec![0; rays.count()],
         };
         walk.recount();
         walk
@@ -136,39 +147,74 @@ impl<'a> Walk<'a> {
         value(others.min(empty)) - now - clearing - filling
     }
 
-    /// Whether no cell of a box, all of which are alike, would by itself cost more than this many nats of likelihood.
-    pub(super) fn all_cost_less(&self, cells: &[usize], nats: f64) -> bool {
-        cells.iter().all(|&cell| self.gain[cell] > -nats)
+    /// Whether a cell's flip would by itself cost less than this many nats of likelihood.
+    pub(super) fn costs_less(&self, cell: usize, nats: f64) -> bool {
+        self.gain[cell] > -nats
     }
 
-    /// What flipping these cells together, all of which are alike and differ, would add to the log posterior, nats.
-    pub(super) fn box_change(&mut self, cells: &[usize]) -> f64 {
-        let filling = !self.occupied[cells[0]];
-        let mut touched = std::mem::take(&mut self.touched);
-        touched.clear();
-        for &cell in cells {
-            for &(ray, entry) in self.rays.through(cell) {
-                let first = self.nearest[ray as usize][0];
-                if if filling { entry < first } else { entry == first } {
-                    touched.push((ray, entry));
-                }
-            }
-        }
-        if filling {
-            touched.sort_unstable();
-            touched.dedup_by_key(|(ray, _)| *ray); // the nearest entry of each ray stays
-        }
+    /// What flipping these cells together, all of which differ, would add to the log posterior, nats.
+    pub(super) fn change_of(&mut self, cells: &[usize]) -> f64 {
+        self.touch(cells);
+        let before = self.prior_of_blocks();
         cells.iter().for_each(|&cell| self.turn(cell));
-        let mut change = 0.0;
-        for &(ray, entry) in &touched {
-            let (ray, entry) = (ray as usize, entry as usize);
-            let [first, after] = [self.nearest[ray][0] as usize, if filling { entry } else { self.next(ray, entry) }];
+        let mut change = self.prior_of_blocks() - before;
+        for &ray in &self.touched {
+            let ray = ray as usize;
+            let (first, filled) = (self.nearest[ray][0] as usize, self.filled[ray] as usize);
+            let is_cleared = self.cleared[ray] == self.touches;
+            let after = if is_cleared { self.next(ray, first + 1).min(filled) } else { filled };
             change += self.rays.value(ray, after) - self.rays.value(ray, first);
         }
-        self.touched = touched;
-        change += self.prior_of(cells);
         cells.iter().for_each(|&cell| self.turn(cell));
-        change - self.prior_of(cells)
+        change
+    }
+
+    /// Finds the rays whose first occupied cell the flips of these cells change, with the nearest entry that they fill and whether they clear the
+    /// first, and the blocks that they are part of.
+    fn touch(&mut self, cells: &[usize]) {
+        let Self {
+            spec,
+            rays,
+            occupied,
+            nearest,
+            touches,
+            touched,
+            blocks,
+            is_touched,
+            is_counted,
+            filled,
+            cleared,
+            ..
+        } = self;
+        *touches += 1;
+        touched.clear();
+        blocks.clear();
+        for &cell in cells {
+            let is_clearing = occupied[cell];
+            for &(number, entry) in rays.through(cell) {
+                let ray = number as usize;
+                let first = nearest[ray][0];
+                if if is_clearing { entry == first } else { entry < first } {
+                    if is_touched[ray] != *touches {
+                        is_touched[ray] = *touches;
+                        filled[ray] = u32::MAX;
+                        touched.push(number);
+                    }
+                    if is_clearing { cleared[ray] = *touches } else { filled[ray] = filled[ray].min(entry) }
+                }
+            }
+            field::blocks(spec, cell, |centre, _| {
+                if is_counted[centre] != *touches {
+                    is_counted[centre] = *touches;
+                    blocks.push(centre as u32);
+                }
+            });
+        }
+    }
+
+    /// Log weight of the blocks that were touched, nats.
+    fn prior_of_blocks(&self) -> f64 {
+        self.blocks.iter().map(|&centre| self.field.weight(self.patterns[centre as usize].into())).sum()
     }
 
     /// Turns a cell in the map and its patterns, and nothing else.
@@ -176,18 +222,6 @@ impl<'a> Walk<'a> {
         self.occupied[cell] ^= true;
         let Self { spec, patterns, .. } = self;
         field::blocks(spec, cell, |centre, bits| patterns[centre] ^= bits as u16);
-    }
-
-    /// Log weight of all blocks that have one of these cells, nats, each counted as often as it has them.
-    fn prior_of(&mut self, cells: &[usize]) -> f64 {
-        let mut blocks = std::mem::take(&mut self.blocks);
-        blocks.clear();
-        cells.iter().for_each(|&cell| field::blocks(&self.spec, cell, |centre, _| blocks.push(centre as u32)));
-        blocks.sort_unstable();
-        blocks.dedup();
-        let sum = blocks.iter().map(|&centre| self.field.weight(self.patterns[centre as usize].into())).sum();
-        self.blocks = blocks;
-        sum
     }
 
     fn prior_change(&self, cell: usize) -> f64 {

@@ -46,7 +46,7 @@ fn log_posterior(spec: &GridSpec, rays: &Rays, field: &BlockField, occupied: &[b
     of_rays + of_blocks.sum::<f64>()
 }
 
-/// Flips, swaps and boxes say what the posterior of the map then is, also after hundreds of them without a recount.
+/// Flips, swaps and flips of many cells say what the posterior of the map then is, also after hundreds of them without a recount.
 #[test]
 fn changes_are_those_of_the_posterior() {
     let spec = GridSpec { cell_m: 0.2, origin_m: [0.0; 2], width: 7, height: 5 };
@@ -55,7 +55,7 @@ fn changes_are_those_of_the_posterior() {
     let mut walk = Walk::new(spec, &rays, &field, vec![false; spec.cells()]);
     let at = |map: &[bool]| log_posterior(&spec, &rays, &field, map);
     let mut rng = ChaCha8Rng::seed_from_u64(3);
-    let (mut swaps, mut boxes) = (0, 0);
+    let (mut swaps, mut boxes, mut mixed) = (0, 0, 0);
     for step in 0..3000 {
         let before = at(walk.occupied());
         assert!((walk.log_posterior() - before).abs() < 1e-8, "step {step}");
@@ -70,20 +70,16 @@ fn changes_are_those_of_the_posterior() {
             assert!((walk.swap_change(cell, other) - (at(&map) - before)).abs() < 1e-8, "step {step}: swap");
             swaps += 1;
         }
-        let box_of = |at: usize| [at, at + 1, at + spec.width, at + spec.width + 1];
-        let (column, row) = spec.column_row(cell);
-        if column + 2 <= spec.width && row + 2 <= spec.height {
-            let cells = box_of(cell);
-            if cells.iter().all(|&cell| walk.occupied()[cell] == walk.occupied()[cells[0]]) {
-                let mut map = walk.occupied().to_vec();
-                cells.iter().for_each(|&cell| map[cell] ^= true);
-                assert!((walk.box_change(&cells) - (at(&map) - before)).abs() < 1e-8, "step {step}: box");
-                boxes += 1;
-            }
-        }
+        // Any cells, alike or not, in any order.
+        let cells: Vec<usize> = (0..spec.cells()).filter(|_| rng.random::<f64>() < 0.15).collect();
+        let mut map = walk.occupied().to_vec();
+        cells.iter().for_each(|&cell| map[cell] ^= true);
+        assert!((walk.change_of(&cells) - (at(&map) - before)).abs() < 1e-8, "step {step}: {cells:?}");
+        let is_alike = cells.iter().all(|&cell| walk.occupied()[cell] == walk.occupied()[cells[0]]);
+        *if is_alike { &mut boxes } else { &mut mixed } += 1;
         walk.flip(cell);
     }
-    assert!(swaps > 500 && boxes > 100, "{swaps} swaps, {boxes} boxes");
+    assert!(swaps > 500 && boxes > 100 && mixed > 1000, "{swaps} swaps, {boxes} alike, {mixed} not");
 }
 
 /// Probability of going from one map to another by a step that accepts with the chance that a draw is below something.
@@ -122,15 +118,16 @@ fn every_step_is_in_detailed_balance() {
             steps.push(maps.iter().map(swap).collect());
         }
     }
-    for cells in [&[0, 1][..], &[0, 2], &[2, 3], &[0, 1, 2, 3]] {
-        let flip = |map: &Vec<bool>| {
-            let mut walk = walk(map);
-            let alike = cells.iter().all(|&cell| map[cell] == map[cells[0]]);
-            let change = if alike { walk.box_change(cells) } else { 0.0 };
-            let (to, p) = goes(&mut walk, change, |walk, draw| try_box(walk, cells, draw));
-            (number(&to), p)
-        };
-        steps.push(maps.iter().map(flip).collect());
+    for most in [0.5, MOST] {
+        for cells in [&[0, 1][..], &[0, 2], &[2, 3], &[0, 1, 2, 3]] {
+            let flip = |map: &Vec<bool>| {
+                let mut walk = walk(map);
+                let change = walk.change_of(cells);
+                let (to, p) = goes(&mut walk, change, |walk, draw| try_flip(walk, cells, most, draw));
+                (number(&to), p)
+            };
+            steps.push(maps.iter().map(flip).collect());
+        }
     }
     let mut moved = 0;
     for (kind, step) in steps.iter().enumerate() {
@@ -147,4 +144,74 @@ fn every_step_is_in_detailed_balance() {
         assert!(worst < 1e-12 * total, "step {kind} leaves the posterior as it is");
     }
     assert!(moved > 150, "{moved}");
+}
+
+/// A shift goes one of four ways by chance, and what it does one way the opposite way undoes: all boxes of 3 x 2 cells, whatever may be filled.
+#[test]
+fn shifts_are_in_detailed_balance() {
+    let spec = GridSpec { cell_m: 0.5, origin_m: [0.0; 2], width: 3, height: 2 };
+    let (readings, field) = (readings(spec, 12), field());
+    let rays = Rays::new(&readings, spec.cells(), READING);
+    let maps: Vec<Vec<bool>> = (0..64).map(|map| (0..6).map(|cell| map >> cell & 1 == 1).collect()).collect();
+    let number = |map: &[bool]| maps.iter().position(|known| known == map).expect("one of all");
+    let weights: Vec<f64> = maps.iter().map(|map| log_posterior(&spec, &rays, &field, map).exp()).collect();
+    let total: f64 = weights.iter().sum();
+    let mut moved = [0; 2];
+    for (place, (limit, most)) in [(0, 3, 2), (0, 2, 2), (1, 2, 2), (3, 3, 1), (1, 1, 2)]
+        .into_iter()
+        .flat_map(|place| [1.5, MOST].into_iter().enumerate().map(move |limit| (place, limit)))
+    {
+        let place = Place { at: place.0, width: place.1, height: place.2 };
+        let mut goes_to = vec![[0.0; 64]; 64];
+        for (from, map) in maps.iter().enumerate() {
+            for to in Direction::ALL {
+                let mut walk = Walk::new(spec, &rays, &field, map.clone());
+                let mut cells = Vec::new();
+                place.shifted(&spec, walk.occupied(), to, &mut cells);
+                let change = walk.change_of(&cells);
+                let (after, p) = goes(&mut walk, change, |walk, draw| try_shift(walk, &cells, most, draw));
+                goes_to[from][number(&after)] += 0.25 * p;
+                moved[limit] += usize::from(after != *map);
+            }
+        }
+        for from in 0..64 {
+            for to in (0..64).filter(|to| *to != from) {
+                let [there, back] = [weights[from] * goes_to[from][to], weights[to] * goes_to[to][from]];
+                assert!((there - back).abs() < 1e-12 * total, "{place:?} from {from} to {to}: {there} {back}");
+            }
+        }
+    }
+    assert!(moved[1] > 500 && moved[0] < moved[1] && moved[0] > 50, "the limit forbids some: {moved:?}");
+}
+
+/// Contents of a box move on by one and come in again on the other side; nothing else moves.
+#[test]
+fn shifts_move_all_that_is_in_a_box() {
+    let spec = GridSpec { cell_m: 0.5, origin_m: [0.0; 2], width: 5, height: 4 };
+    let mut rng = ChaCha8Rng::seed_from_u64(8);
+    let mut cells = Vec::new();
+    for _ in 0..500 {
+        let map: Vec<bool> = (0..20).map(|_| rng.random::<f64>() < 0.5).collect();
+        let Some(place) = Place::to_shift(&spec, &mut rng) else { continue };
+        let (column, row) = spec.column_row(place.at);
+        for (to, opposite, [dx, dy]) in [
+            (Direction::Right, Direction::Left, [1, 0]),
+            (Direction::Left, Direction::Right, [place.width - 1, 0]),
+            (Direction::Up, Direction::Down, [0, 1]),
+            (Direction::Down, Direction::Up, [0, place.height - 1]),
+        ] {
+            let mut expected = map.clone();
+            for (x, y) in (0..place.width).flat_map(|x| (0..place.height).map(move |y| (x, y))) {
+                let there = spec.index(column + (x + dx) % place.width, row + (y + dy) % place.height);
+                expected[there] = map[spec.index(column + x, row + y)];
+            }
+            place.shifted(&spec, &map, to, &mut cells);
+            let mut moved = map.clone();
+            cells.iter().for_each(|&cell| moved[cell] ^= true);
+            assert_eq!(moved, expected, "{place:?} {to:?}");
+            place.shifted(&spec, &moved, opposite, &mut cells);
+            cells.iter().for_each(|&cell| moved[cell] ^= true);
+            assert_eq!(moved, map, "{place:?} {opposite:?} after {to:?}");
+        }
+    }
 }
