@@ -8,6 +8,7 @@
 //! does not follow.
 
 mod chain;
+mod lag;
 mod rays;
 mod worth;
 
@@ -21,80 +22,15 @@ use sensor::Scan;
 use crate::belief::lateral::Lateral;
 use crate::belief::probability::{EPSILON, bounded};
 use crate::fast::visibility::FastVisibility;
-use crate::fit::{Fitted, Setting, numbers};
+use crate::fit::{Fitted, Setting};
 use crate::mapper::{Mapper, Work};
 use crate::memory::Held;
 use crate::model::{Model, Sensors};
 use crate::rules::gibbs::Sampling;
 use crate::rules::window::chain::{Chain, Target};
+pub use crate::rules::window::lag::FixedLag;
 use crate::rules::window::rays::Moment;
 use crate::rules::window::worth::{Reader, Reading};
-
-/// How the last scans are solved.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FixedLag {
-    /// Number of scans that are solved together, at least 1.
-    pub scans: usize,
-    /// Sweeps over the cells in doubt after every scan.
-    pub sweeps: usize,
-    /// Share of the drawn map in the mean, 0 to 1; the rest is that of the pairs.
-    pub share: f64,
-    /// A cell's probability is the mean over about so many draws, at least 1.
-    pub draws: f64,
-    /// Weight of a reading's log likelihood, above 0, as [`Sampling::weight`].
-    pub weight: f64,
-    /// Share of rays that pass the first occupied cell, as [`Sampling::leak`].
-    pub leak: f64,
-    /// Times that the log weights of the prior field count, as [`Sampling::strength`].
-    pub strength: f64,
-    /// Shift of every cell's log odds, nats, as [`Sampling::shift`].
-    pub shift: f64,
-    /// What all draws follow from.
-    pub seed: u64,
-}
-
-impl FixedLag {
-    /// Chosen on tuning worlds: `cargo run -p experiments --features fitting --example window_parameters`.
-    pub const TUNED: Self = Self {
-        scans: 20,
-        sweeps: 3,
-        share: 0.5,
-        draws: 64.0,
-        weight: 0.5,
-        leak: 0.1,
-        strength: 0.45,
-        shift: -0.2,
-        seed: 1,
-    };
-}
-
-impl Fitted for FixedLag {
-    fn parameters(&self) -> Vec<(&'static str, Setting)> {
-        let Self { scans, sweeps, share, draws, weight, leak, strength, shift, .. } = *self;
-        let (scans, sweeps) = (scans as f64, sweeps as f64);
-        numbers([
-            ("scans", scans),
-            ("sweeps", sweeps),
-            ("share", share),
-            ("draws", draws),
-            ("weight", weight),
-            ("leak", leak),
-            ("strength", strength),
-            ("shift", shift),
-        ])
-    }
-
-    fn label(&self) -> String {
-        let Self { scans, sweeps, share, draws, weight, leak, strength, shift, .. } = self;
-        format!(
-            "{scans} scans, {sweeps} sweeps, share {share}, {draws} draws, weight {weight}, leak {leak}, strength {strength}, shift {shift}"
-        )
-    }
-
-    fn mapper(&self, model: &Model) -> Box<dyn Mapper> {
-        Box::new(VisibilityWindow::new(model, *self))
-    }
-}
 
 /// Cells that are occupied with a probability between this and one less it are in doubt, and drawn in every sweep.
 const DOUBT: f64 = 0.01;
@@ -266,7 +202,11 @@ impl VisibilityWindow {
 
     /// The mean of the two; of a cell that was never drawn, that of the pairs.
     fn mean(&self, cell: usize, of_pairs: f64) -> f64 {
-        if self.draws[cell] == 0 { of_pairs } else { bounded(of_pairs + self.rule.share * (self.drawn[cell] - of_pairs)) }
+        if self.draws[cell] == 0 {
+            of_pairs
+        } else {
+            bounded(of_pairs + self.rule.share * (self.drawn[cell] - of_pairs))
+        }
     }
 }
 
@@ -282,6 +222,20 @@ fn probability(log_odds: f64) -> f64 {
         1.0 - EPSILON
     } else {
         bounded(1.0 / (1.0 + libm::exp(-log_odds)))
+    }
+}
+
+impl Fitted for FixedLag {
+    fn parameters(&self) -> Vec<(&'static str, Setting)> {
+        self.named()
+    }
+
+    fn label(&self) -> String {
+        self.words()
+    }
+
+    fn mapper(&self, model: &Model) -> Box<dyn Mapper> {
+        Box::new(VisibilityWindow::new(model, *self))
     }
 }
 
@@ -329,7 +283,8 @@ impl Mapper for VisibilityWindow {
     /// Counts what its pairs count: draws are none of a ray.
     fn work(&self) -> Work {
         let Work { cells, bytes } = self.pairs.work();
-        let cells_of = self.drawn.held() + self.draws.held() + self.doubtful.held() + self.is_doubtful.held() + self.seen.held();
+        let cells_of =
+            self.drawn.held() + self.draws.held() + self.doubtful.held() + self.is_doubtful.held() + self.seen.held();
         Work { cells, bytes: bytes + self.target.held() + self.chain.held() + cells_of + self.occupancy.held() }
     }
 

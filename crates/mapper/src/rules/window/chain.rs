@@ -117,7 +117,8 @@ impl Chain {
     /// What swapping an occupied and a free cell would add to the log posterior, nats.
     pub(super) fn swap_gain(&mut self, target: &Target, occupied: usize, free: usize) -> f64 {
         debug_assert!(self.occupied[occupied] && !self.occupied[free], "one of the two is occupied");
-        let mut gain = target.condensed[free] - target.condensed[occupied] - target.prior_log_odds(&self.patterns, occupied);
+        let mut gain =
+            target.condensed[free] - target.condensed[occupied] - target.prior_log_odds(&self.patterns, occupied);
         self.turn(target, occupied);
         gain += target.prior_log_odds(&self.patterns, free);
         self.turn(target, occupied);

@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use grid::{DigitalLine, GridSpec};
 use proptest::prelude::*;
-use sensor::{Kernel as _, Laser, Pose, SensorModel, Stereo};
+use sensor::{Laser, Pose, SensorModel, Stereo};
 
 use super::*;
 use crate::ray::past_the_map::{self, PastTheMap};
@@ -36,7 +36,9 @@ fn field() -> BlockField {
 fn log_posterior(map: &[bool], rays: &[&Ray], condensed: &[f64]) -> f64 {
     let field = field();
     let blocks: f64 = field::patterns(&GRID, map).iter().map(|&pattern| field.weight(pattern.into())).sum();
-    let worth = |(cells, log, none): &&Ray| f64::from(cells.iter().position(|&cell| map[cell]).map_or(*none, |first| log[first]));
+    let worth = |(cells, log, none): &&Ray| {
+        f64::from(cells.iter().position(|&cell| map[cell]).map_or(*none, |first| log[first]))
+    };
     let told: f64 = map.iter().zip(condensed).map(|(&occupied, told)| if occupied { *told } else { 0.0 }).sum();
     blocks + rays.iter().map(worth).sum::<f64>() + told
 }
@@ -223,10 +225,12 @@ fn model() -> Model {
 
 #[test]
 fn the_order_of_rays_within_a_scan_does_not_matter() {
-    let [mut one, mut other] = [(); 2].map(|()| VisibilityWindow::new(&model(), FixedLag { share: 1.0, ..FixedLag::TUNED }));
+    let [mut one, mut other] =
+        [(); 2].map(|()| VisibilityWindow::new(&model(), FixedLag { share: 1.0, ..FixedLag::TUNED }));
     for scan in drive() {
         one.integrate(&scan);
-        let (bearings_rad, readings) = scan.bearings_rad.iter().zip(&scan.readings).rev().map(|(b, r)| (*b, *r)).unzip();
+        let (bearings_rad, readings) =
+            scan.bearings_rad.iter().zip(&scan.readings).rev().map(|(b, r)| (*b, *r)).unzip();
         other.integrate(&Scan { bearings_rad, readings, ..scan });
     }
     assert_eq!(one.occupancy(), other.occupancy());
@@ -260,10 +264,15 @@ fn no_more_scans_are_held_than_the_window_has() {
         // A ray that has come to the window is followed as one that has always been there.
         let mut anew = Chain::free(model().grid.cells());
         let unseen = Target::new(model().grid, &field());
-        (0..model().grid.cells()).filter(|&cell| window.chain.is_occupied(cell)).for_each(|cell| anew.flip(&unseen, cell));
+        (0..model().grid.cells())
+            .filter(|&cell| window.chain.is_occupied(cell))
+            .for_each(|cell| anew.flip(&unseen, cell));
         anew.follow(&window.target.rays);
         let both: Vec<(&Nearest, &Nearest)> = anew.nearest().iter().zip(window.chain.nearest()).collect();
         assert!(both.iter().all(|(anew, kept)| anew == kept));
     }
-    assert!(window.target.condensed.iter().any(|told| *told > 0.5) && window.target.condensed.iter().any(|told| *told < -0.5));
+    assert!(
+        window.target.condensed.iter().any(|told| *told > 0.5)
+            && window.target.condensed.iter().any(|told| *told < -0.5)
+    );
 }
