@@ -25,6 +25,7 @@ use crate::rules::sonar_profile::SonarProfiles;
 use crate::rules::unseen::Unseen;
 use crate::rules::visibility::Visibility;
 use crate::rules::widening_beams::{WideningBeams, WideningBeamsMapper};
+use crate::rules::window::{FixedLag, VisibilityWindow};
 
 /// How a mapper takes its scans.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -81,6 +82,13 @@ pub const MAPPERS: &[Entry] = &[
         source: "Eqs. (1)-(7), (18)-(20); Rabiner 1989; Jeffrey 1965",
         kind: Kind::Online,
         build: &|model| Box::new(FastVisibility::lateral(model, Lateral::default())),
+    },
+    Entry {
+        name: "visibility-window",
+        summary: "the last 20 scans solved together by sampling, and the pairs of visibility-lateral of all of them",
+        source: "Merali and Barfoot 2013; Stone 1961",
+        kind: Kind::Online,
+        build: &|model| Box::new(VisibilityWindow::new(model, FixedLag::TUNED)),
     },
     Entry {
         name: "visibility-dynamic",

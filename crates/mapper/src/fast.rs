@@ -30,7 +30,7 @@ mod scan;
 mod settled;
 mod slowly;
 mod sums;
-mod tail;
+pub(crate) mod tail;
 pub(crate) mod tiles;
 mod touched;
 mod trace;

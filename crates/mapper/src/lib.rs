@@ -73,4 +73,5 @@ pub use rules::sonar_profile::SonarProfiles;
 pub use rules::unseen::Unseen;
 pub use rules::visibility::Visibility;
 pub use rules::widening_beams::{WideningBeams, WideningBeamsMapper};
+pub use rules::window::{FixedLag, VisibilityWindow};
 pub use tuning::Tuning;

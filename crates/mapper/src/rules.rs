@@ -26,3 +26,4 @@ pub(crate) mod unseen;
 pub(crate) mod visibility;
 pub(crate) mod wedge;
 pub(crate) mod widening_beams;
+pub(crate) mod window;

@@ -59,7 +59,7 @@ const GREY: Colour = Colour(130, 130, 130);
 
 /// Those that stand for others first: where there are more than colours, the last ones are grey. Of a family all have
 /// the same hue; hues are those of Okabe and Ito (2008) and of Tol (2021), for every eye.
-const MAPPERS: [(&str, Colour, Shape, Dashes); 39] = [
+const MAPPERS: [(&str, Colour, Shape, Dashes); 40] = [
     ("visibility", BLUE, Shape::Circle, Dashes::Solid),
     ("conventional", RED, Shape::Square, Dashes::Solid),
     ("log-odds-octomap", PURPLE, Shape::Diamond, Dashes::Solid),
@@ -83,6 +83,7 @@ const MAPPERS: [(&str, Colour, Shape, Dashes); 39] = [
     ("hit-count-gmapping", AMBER, Shape::Diamond, Dashes::Dotted),
     ("hit-count-karto", AMBER, Shape::Plus, Dashes::Dotted),
     ("visibility-dynamic", SKY, Shape::Square, Dashes::Dashed),
+    ("visibility-window", SKY, Shape::Circle, Dashes::Dotted),
     ("log-odds-decay", PURPLE, Shape::Square, Dashes::Dashed),
     ("dynamic-grid", VIOLET, Shape::Diamond, Dashes::Dashed),
     ("visibility-pool", BLUE, Shape::Cross, Dashes::Dotted),

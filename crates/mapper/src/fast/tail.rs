@@ -38,7 +38,7 @@ struct Panels {
 
 /// Working memory.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Tail {
+pub(crate) struct Tail {
     ranges: Vec<Lanes<f64>>,
     weights: Vec<Lanes<f32>>,
     likelihood: Vec<Lanes<f32>>,
@@ -53,7 +53,7 @@ impl Tail {
     /// that the finite length of the chords leaves: hits are not spread evenly over a chord, and the kernel is
     /// averaged evenly in disparity and not in range. The integral is taken over the inverse range, in which the
     /// kernel is a Gaussian, by panels of a fixed rule.
-    pub(super) fn likelihood(
+    pub(crate) fn likelihood(
         &mut self,
         sensor: &dyn SensorModel,
         beams: &Beams,

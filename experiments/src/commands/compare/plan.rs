@@ -273,7 +273,8 @@ const OF_SENSORS: [&str; 9] = [
 /// Mappers that stand in no table unless they are named: rules as published of which the table has the fitted ones, rules for a
 /// world that moves, which the worlds of this comparison do not, rules for several sensors, which most robots here have not, and
 /// sampling, which takes as long as all others together.
-pub const ON_REQUEST: [&str; 14] = [
+pub const ON_REQUEST: [&str; 15] = [
+    "visibility-window",
     "hit-count-gmapping",
     "hit-count-karto",
     "tsdf",
