@@ -277,7 +277,7 @@ fn of_all_kinds() -> String {
     let sensors = [
         "kind = \"laser\"\nbeams = 90\nmax_range = 20.0\nrange_sigma = 0.04\nhit = 0.9\nno_echo = 0.05\nearly_per_m = 0.02",
         "kind = \"sonar\"\ncones = 16\nmax_range = 4.0\nrange_sigma = 0.06\nhit = 0.8\nno_echo = 0.1\nearly_per_m = 0.02",
-        "kind = \"depth\"\ncolumns = 120\nfield_of_view_deg = 70.0\nmax_range = 5.0\ninverse_sigma_per_m = 0.008\nhit = 0.9\n\
+        "kind = \"depth\"\ncolumns = 240\nfield_of_view_deg = 70.0\nmax_range = 5.0\ninverse_sigma_per_m = 0.008\nhit = 0.9\n\
          detection_rate = 0.85\ngrazing_deg = 15.0",
         "kind = \"stereo\"\ncolumns = 120\nfield_of_view_deg = 360.0\nfocal_baseline = 15.0\ndisparity_sigma = 0.3\n\
          correct_match = 0.85\nmax_disparity = 60.0\ndetection_rate = 0.7",
@@ -286,62 +286,69 @@ fn of_all_kinds() -> String {
     sensors.iter().fold(format!("{head}{tail}\n"), |text, sensor| format!("{text}[[sensor]]\n{sensor}\n"))
 }
 
-/// What each kernel was told comes back: its parameter, the truth, and how far off it may be as a share.
-const TRUTH: [(usize, &str, f64, f64); 12] = [
-    (1, "range_sigma", 0.04, 0.05),
-    (1, "hit", 0.9, 0.05),
-    (1, "no_echo", 0.05, 0.35),
-    (2, "sonar_sigma", 0.06, 0.25),
-    (2, "sonar_hit", 0.8, 0.08),
-    (2, "sonar_no_echo", 0.1, 0.35),
-    (3, "inverse_sigma_per_m", 0.008, 0.1),
-    (3, "hit", 0.9, 0.05),
-    (3, "detection_rate", 0.85, 0.04),
-    (3, "grazing_deg", 15.0, 0.15),
-    (4, "disparity_sigma", 0.3, 0.1),
-    (4, "correct_match", 0.85, 0.06),
-];
-
-#[test]
-fn every_sensor_of_a_table_of_several_kinds_is_fitted_by_itself() {
-    let folder = TempDir::new().expect("temporary folder");
+/// What these sensors read on a drive, as tables in a folder: `NAME` has the rows of the sensors in `numbers`.
+fn tables(folder: &TempDir, tables: &[(&str, &[&str])]) {
     fs::write(folder.path().join("all.toml"), of_all_kinds()).expect("writable");
     let mut room = Command::cargo_bin("experiments").expect("built");
     let arguments = ["room", "--scene", "all.toml", "--mappers", "prior", "--out", "r"];
     checked(0, &arguments, &room.current_dir(folder.path()).args(arguments).output().expect("starts"));
-    let fit = |file: &str, out: &str| {
-        let arguments =
-            [file, "--depth", "3", "--sonar-range", "4", "--max-range", "20", "--scans", "120", "--out", out];
-        let (text, err) = checked(0, &arguments, &calibrate(folder.path(), &arguments));
-        let table = fs::read_to_string(folder.path().join(out).join("calibration.csv")).expect("written");
-        (text, err, table)
+    let whole = fs::read_to_string(folder.path().join("r/scans.csv")).expect("written");
+    for (name, numbers) in tables {
+        let is_of = |line: &&str| {
+            line.starts_with("scan,") || line.split(',').nth(6).is_some_and(|number| numbers.contains(&number))
+        };
+        let rows: String = whole.lines().filter(is_of).map(|line| format!("{line}\n")).collect();
+        fs::write(folder.path().join(name), rows).expect("writable");
+    }
+}
+
+/// What a kernel was told: its parameter, the truth, and how far off it may be as a share.
+type Truth = (&'static str, f64, f64);
+
+/// Whether the rows of a table have the truth, each found to be identified.
+fn hold(rows: &[csv::StringRecord], truth: &[Truth]) {
+    for (name, truth, within) in truth {
+        let row = rows.iter().find(|row| &row[0] == *name).unwrap_or_else(|| panic!("{name}: {rows:?}"));
+        let value: f64 = row[1].parse().expect("a number");
+        assert!((value / truth - 1.0).abs() < *within && &row[5] == "true", "{name}: {truth} and {row:?}");
+    }
+}
+
+fn rows_of(table: &str) -> Vec<csv::StringRecord> {
+    csv::Reader::from_reader(table.as_bytes()).records().map(|row| row.expect("a row")).collect()
+}
+
+/// Settings that fit each of these sensors in seconds, but the sonars.
+const QUICK: [&str; 4] = ["--scans", "60", "--grid", "0.1"];
+
+#[test]
+fn every_sensor_of_a_table_of_several_kinds_is_fitted_by_itself() {
+    let folder = TempDir::new().expect("temporary folder");
+    tables(&folder, &[("several.csv", &["1", "3", "4", "5"]), ("depth.csv", &["3"])]);
+    let fit = |file: &'static str, more: &[&'static str]| {
+        let arguments = [&[file, "--depth", "3", "--max-range", "20"], &QUICK[..], more].concat();
+        checked(0, &arguments, &calibrate(folder.path(), &arguments))
     };
-    let (text, err, table) = fit("r/scans.csv", "o");
+    let (text, err) = fit("several.csv", &["--out", "o"]);
+    let table = fs::read_to_string(folder.path().join("o/calibration.csv")).expect("written");
     let is_prose = |line: &&str| !line.starts_with("replay ") && !line.starts_with("warning: ");
     assert!(text.lines().filter(is_prose).all(|line| line.chars().count() <= 80), "{text}");
     assert!(err.contains("sensor 5 (a laser) is not fitted:") && err.contains("scans are too few"), "{err}");
-    let rows: Vec<csv::StringRecord> =
-        csv::Reader::from_reader(table.as_bytes()).records().map(|row| row.expect("a row")).collect();
-    let row = |sensor: usize, name: &str| {
-        let found = rows.iter().find(|row| row[7] == sensor.to_string() && &row[0] == name);
-        found.unwrap_or_else(|| panic!("{sensor} {name}: {table}"))
-    };
-    for (sensor, name, truth, within) in TRUTH {
-        let row = row(sensor, name);
-        let value: f64 = row[1].parse().expect("a number");
-        assert!(
-            (value / truth - 1.0).abs() < within && &row[5] == "true",
-            "{sensor} {name}: {truth} and {row:?}\n{text}"
-        );
-    }
-    assert!(rows.iter().all(|row| &row[7] != "5"), "{table}");
+    let rows = rows_of(&table);
+    let of =
+        |sensor: &str| -> Vec<csv::StringRecord> { rows.iter().filter(|row| &row[7] == sensor).cloned().collect() };
+    hold(&of("1"), &[("range_sigma", 0.04, 0.05), ("hit", 0.9, 0.05), ("no_echo", 0.05, 0.35)]);
+    let depth = [("inverse_sigma_per_m", 0.008, 0.1), ("hit", 0.9, 0.05), ("detection_rate", 0.85, 0.04)];
+    hold(&of("3"), &depth);
+    hold(&of("3"), &[("grazing_deg", 15.0, 0.15)]);
+    hold(&of("4"), &[("disparity_sigma", 0.3, 0.1), ("correct_match", 0.85, 0.06)]);
+    assert!(of("5").is_empty(), "{table}");
     // The detection rate holds what texture leaves of it, at most the rate.
-    let detection: f64 = row(4, "detection_rate")[1].parse().expect("a number");
-    assert!((0.3..0.72).contains(&detection), "{detection}");
+    let rate = of("4").iter().find(|row| &row[0] == "detection_rate").map(|row| row[1].parse::<f64>());
+    let rate = rate.expect("a row").expect("a number");
+    assert!((0.3..0.72).contains(&rate), "{rate}");
     let advice = text.lines().last().expect("a last line");
-    for option in
-        ["--range-sigma ", "--sonar-sigma ", "--sonar-range 4 ", "--depth 3 ", "--depth-sigma ", "--disparity-sigma "]
-    {
+    for option in ["--range-sigma ", "--depth 3 ", "--depth-sigma ", "--disparity-sigma "] {
         assert!(advice.contains(option), "{advice}");
     }
     assert!(text.contains("[[sensor]]\nkind = \"depth\"\ninverse_sigma_per_m = 0.0"), "{text}");
@@ -352,18 +359,22 @@ fn every_sensor_of_a_table_of_several_kinds_is_fitted_by_itself() {
     checked(0, &pasted, &output.expect("starts"));
     let record = fs::read_to_string(folder.path().join("m/run.json")).expect("written");
     assert!(record.contains("inverse_sigma_per_m"), "{record}");
-    // The ring alone, of the same scans, gives the same to the last digit.
-    let whole = fs::read_to_string(folder.path().join("r/scans.csv")).expect("written");
-    let of_ring = |line: &&str| line.starts_with("scan,") || line.split(',').nth(6) == Some("2");
-    let ring: String = whole.lines().filter(of_ring).map(|line| format!("{line}\n")).collect();
-    fs::write(folder.path().join("ring.csv"), ring).expect("writable");
-    let arguments = ["ring.csv", "--sonar-range", "4", "--scans", "120", "--format", "csv"];
-    let (alone, _) = checked(0, &arguments, &calibrate(folder.path(), &arguments));
+    // The camera alone, of the same scans, gives the same to the last digit.
+    let (alone, _) = fit("depth.csv", &["--format", "csv"]);
     let own: Vec<String> = alone.lines().skip(1).map(str::to_owned).collect();
-    let in_all: Vec<String> = (rows.iter().filter(|row| &row[7] == "2"))
-        .map(|row| row.iter().take(7).collect::<Vec<_>>().join(","))
-        .collect();
+    let in_all: Vec<String> = of("3").iter().map(|row| row.iter().take(7).collect::<Vec<_>>().join(",")).collect();
     assert_eq!(own, in_all);
+}
+
+/// By maps a sonar's sigma is told less well than a laser's by surfaces.
+#[test]
+#[ignore = "a minute and more: .ci/nightly runs it"]
+fn a_ring_of_sonars_is_fitted() {
+    let folder = TempDir::new().expect("temporary folder");
+    tables(&folder, &[("ring.csv", &["2"])]);
+    let arguments = [&["ring.csv", "--sonar-range", "4", "--format", "csv"], &QUICK[..]].concat();
+    let (table, _) = checked(0, &arguments, &calibrate(folder.path(), &arguments));
+    hold(&rows_of(&table), &[("sonar_sigma", 0.06, 0.25), ("sonar_hit", 0.8, 0.08), ("sonar_no_echo", 0.1, 0.35)]);
 }
 
 #[test]

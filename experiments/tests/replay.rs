@@ -548,7 +548,8 @@ fn the_sonars_of_a_carmen_log_are_mapped_with_its_laser_and_a_ring_that_is_turne
     let folder = TempDir::new().expect("a folder");
     for (degrees, named) in [(0.0, None), (6.0, Some("sensor 1 (sonars) fits the map of the other sensors"))] {
         fs::write(folder.path().join("ring.log"), with_ring(degrees)).expect("written");
-        let words = ["ring.log", "--mappers", "visibility", "--grid", "0.1", "--out", "out", "--format", "csv"];
+        let words =
+            ["ring.log", "--fov", "180", "--mappers", "visibility", "--grid", "0.1", "--out", "out", "--format", "csv"];
         let done = replay(folder.path(), &words);
         let said = String::from_utf8(done.stderr).expect("text");
         assert!(done.status.success(), "{said}");

@@ -153,7 +153,7 @@ fn files_with_a_mistake_are_refused_where_it_is() {
     let cases = [
         (
             "",
-            "scans.csv: no scan in 0 lines: it is empty; give a CARMEN log with FLASER, RLASER or ROBOTLASER1, or a table of scans",
+            "scans.csv: no scan in 0 lines: it is empty; give a CARMEN log with FLASER, RLASER, ROBOTLASER1 or SONAR, or a table of scans",
         ),
         (HEAD, "scans.csv: no scan in 1 lines"),
         (

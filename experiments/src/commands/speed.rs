@@ -60,6 +60,8 @@ pub fn run(options: &SpeedOptions) -> Result<(), Failure> {
     }
     let programs: Vec<String> = options.programs.programs.iter().map(|program| program.name.to_string()).collect();
     options.world.check(&entries, &programs)?;
+    // Before a scene is driven through, which takes threads.
+    threads::limit(Some(1))?;
     let set = match options.scans.as_ref().map(|path| scenes::or_file(path)) {
         Some((scene, true)) => simulated::load(&scene)?,
         Some((path, false)) => file::load(&path, options.sensor)?,
@@ -69,7 +71,6 @@ pub fn run(options: &SpeedOptions) -> Result<(), Failure> {
     let reads: Vec<&Path> = options.scans.iter().map(PathBuf::as_path).collect();
     let purpose = Purpose::new("speed", &reads, options.paper.files(&outputs::FILES));
     let staging = options.out.as_deref().map(|folder| Staging::open(folder, &purpose)).transpose()?;
-    threads::limit(Some(1))?;
     if cfg!(debug_assertions) {
         note(format_args!(
             "warning: this build checks every map after every scan, and is slower for it; run with cargo run --release"

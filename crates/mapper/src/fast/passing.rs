@@ -164,6 +164,7 @@ fn pass(
 
 /// Up to where another ray's cells are, that a ray can cross beyond its own reach, m: as far as any reached within the
 /// angle, and across a cell and its neighbours, so many on either side; and as far as those of other sensors, up to `others_m`.
+/// Where cells learn across rays, whole patches count, and not cells alone: the angle does not shrink with range then.
 pub(super) fn farthest(
     spec: &GridSpec,
     (rays, reach): (&[Ray], &[Reach]),
@@ -185,15 +186,22 @@ pub(super) fn farthest(
     for (place, ray) in (order.len() - before..).zip(&order) {
         let nearest_m = reach[*ray].end_m - diagonal_m;
         if nearest_m > diagonal_m {
-            until_m[*ray] = common_m(&bearings, &most, place, (1.6 * diagonal_m / nearest_m, nearest_m));
+            let within = (1.6 * diagonal_m / nearest_m, nearest_m);
+            until_m[*ray] = common_m(&bearings, &most, place, within, neighbours == 1);
         }
     }
     until_m.iter().map(|until_m| until_m.max(others_m) + 2.0 * diagonal_m).collect()
 }
 
 /// Up to where the ray with a place in the order of bearings can cross cells of others, m, where it can cross those of rays within
-/// some angle at some range: at twice the range they are within half the angle.
-fn common_m(bearings: &[f64], most: &RangeMaximum, ray: usize, (mut angle, mut range_m): (f64, f64)) -> f64 {
+/// some angle at some range: at twice the range they are within half the angle, if it `shrinks`.
+fn common_m(
+    bearings: &[f64],
+    most: &RangeMaximum,
+    ray: usize,
+    (mut angle, mut range_m): (f64, f64),
+    shrinks: bool,
+) -> f64 {
     let at = bearings[ray];
     let mut within = 0..bearings.len();
     let mut until_m: f64 = 0.0;
@@ -202,6 +210,9 @@ fn common_m(bearings: &[f64], most: &RangeMaximum, ray: usize, (mut angle, mut r
         let end = ray + bearings[ray..within.end].partition_point(|bearing| *bearing <= at + angle);
         within = first..end;
         let reached_m = most.over(first, end);
+        if !shrinks {
+            return reached_m;
+        }
         // Whoever is not within half of the angle is not crossed from here on.
         range_m *= 2.0;
         until_m = until_m.max(reached_m.min(range_m));

@@ -102,17 +102,18 @@ fn fitted(looks: &[Vec<Look>], has_angle: bool) -> (Vec<Found>, String) {
     (fit.found, about)
 }
 
-/// Where the search begins: the share that is read of surfaces seen from in front, and the angle that is then the likeliest. From elsewhere a walk
-/// parameter by parameter can miss a step as sharp as this.
+/// Where the search begins: the share that is read of surfaces seen from in front, the angle that is then the likeliest, and the share
+/// that is read beyond that. From elsewhere a walk parameter by parameter can miss a step as sharp as this.
 fn begun(mut parameters: Vec<Parameter>, looks: &[Vec<Look>], losses: &dyn Fn(&[f64]) -> Losses) -> Vec<Parameter> {
-    let in_front = || looks.iter().flatten().filter(|(angle_deg, _)| *angle_deg >= FRONT_DEG);
-    let (read, all) = (in_front().filter(|(_, is_read)| *is_read).count(), in_front().count());
-    let [least, most] = parameters[0].range;
-    if all > 0 {
-        parameters[0].start = (read as f64 / all as f64).clamp(least, most);
-    }
-    let share = parameters[0].start;
+    let Parameter { range: [least, most], start, .. } = parameters[0];
+    let share_from = |from_deg: f64| {
+        let beyond = || looks.iter().flatten().filter(|(angle_deg, _)| *angle_deg >= from_deg);
+        let (read, all) = (beyond().filter(|(_, is_read)| *is_read).count(), beyond().count());
+        (all > 0).then(|| (read as f64 / all as f64).clamp(least, most))
+    };
+    let mut from_deg = 0.0;
     if let Some(angle) = parameters.get_mut(1) {
+        let share = share_from(FRONT_DEG).unwrap_or(start);
         let [low, high] = angle.range;
         let tried = (0..=STEPS).map(|k| low * libm::pow(high / low, f64::from(k) / f64::from(STEPS)));
         let loss = |angle_deg: &f64| {
@@ -120,6 +121,10 @@ fn begun(mut parameters: Vec<Parameter>, looks: &[Vec<Look>], losses: &dyn Fn(&[
             all.map_or(f64::INFINITY, |all| all.iter().map(|(sum, _)| sum).sum::<f64>())
         };
         angle.start = tried.min_by(|a, b| loss(a).total_cmp(&loss(b))).unwrap_or(angle.start);
+        from_deg = angle.start + 3.0 * BLUR_DEG;
+    }
+    if let Some(share) = share_from(from_deg) {
+        parameters[0].start = share;
     }
     parameters
 }
