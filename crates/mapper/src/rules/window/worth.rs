@@ -106,13 +106,13 @@ impl Reader {
         let (weight, leak) = (reading.weight as f32, reading.leak as f32);
         let of = |l: f32| if most > 0.0 { weight * libm::logf((l / most).max(LEAST)) } else { 0.0 };
         log.clear();
-        let (mut behind, mut alike) = (none, (f32::NAN, 0.0));
+        let (mut behind, mut last) = (none, None);
         for likelihood in likelihood.iter().rev() {
             let value = (1.0 - leak) * likelihood[lane] + leak * behind;
-            if !((value - alike.0).abs() <= ALIKE * value) {
-                alike = (value, of(value));
-            }
-            log.push(alike.1);
+            let alike = |(of, _): &(f32, f32)| (value - of).abs() <= ALIKE * value;
+            let (of_value, worth) = last.filter(alike).unwrap_or_else(|| (value, of(value)));
+            last = Some((of_value, worth));
+            log.push(worth);
             behind = GOES_ON * behind + (1.0 - GOES_ON) * likelihood[lane];
         }
         log.reverse();
