@@ -99,7 +99,7 @@ mod tests {
 
     #[test]
     fn sonars_hear_as_far_as_mappers_take_them_to() {
-        assert_eq!(MAX_SONAR_M, sensor::Sonar::default().max_range_m);
+        assert_eq!(MAX_SONAR_M.to_bits(), sensor::Sonar::default().max_range_m.to_bits());
     }
 
     #[test]

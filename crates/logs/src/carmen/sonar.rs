@@ -89,11 +89,10 @@ mod tests {
 
     #[test]
     fn a_line_has_a_cone_ranges_and_mounts() {
-        let line = "SONAR 0.523599 2 1.25 5.00 0.100 0.200 1.570796 -0.1 0 -3.14 77.5 robot 1.5";
+        let line = "SONAR 0.525 2 1.25 5.00 0.100 0.200 1.25 -0.1 0 -3.1 77.5 robot 1.5";
         let sonars = parse(line).expect("a line").expect("with mounts");
-        let mounts =
-            vec![Pose { x_m: 0.1, y_m: 0.2, theta_rad: 1.570796 }, Pose { x_m: -0.1, y_m: 0.0, theta_rad: -3.14 }];
-        let expected = Sonars { width_rad: Some(0.523599), time_s: 77.5, ranges_m: vec![1.25, 5.0], mounts };
+        let mounts = vec![Pose { x_m: 0.1, y_m: 0.2, theta_rad: 1.25 }, Pose { x_m: -0.1, y_m: 0.0, theta_rad: -3.1 }];
+        let expected = Sonars { width_rad: Some(0.525), time_s: 77.5, ranges_m: vec![1.25, 5.0], mounts };
         assert_eq!(sonars, expected);
     }
 

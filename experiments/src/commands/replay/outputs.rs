@@ -240,7 +240,7 @@ fn configuration(told: &Told) -> Value {
     let rare = [
         ("body", (options.body == Body::Robot).then(|| json!("robot"))),
         ("bag", options.bag.record()),
-        ("depth", (!cameras.is_empty()).then(|| Value::Object(cameras))),
+        ("depth", (!cameras.is_empty()).then_some(Value::Object(cameras))),
         ("given_max_range_m", options.max_range.map(|max_range_m| json!(max_range_m))),
         (
             "repeat_distance_m",
