@@ -162,16 +162,15 @@ proptest! {
 #[test]
 fn every_mapper_but_the_prior_sees_a_wall() {
     for entry in MAPPERS.iter().filter(|entry| entry.name != "prior") {
-        // Hit counts say nothing of a cell after few looks.
-        let looks = if entry.name.starts_with("hit-count") { 30 } else { 5 };
+        // Hit counts say nothing of a cell after few looks, nor do blocks of 3 x 3 cells of a single row, where a reading counts in part.
+        let many = ["hit-count", "gibbs", "visibility-window"].iter().any(|name| entry.name.starts_with(name));
+        let looks = if many { 30 } else { 5 };
         let map = mapped(entry, &row(29, SHORT), &vec![beam(1.22); looks]);
         // wavemap takes a surface to be three sigma thick, from the reading on.
         let thick = if entry.name.starts_with("wavemap") { 15 } else { 13 };
         let (before, behind) = (map[6], map[19]);
         let wall = map.values()[12..thick].iter().copied().fold(0.0, f64::max);
-        // Blocks of 3 x 3 cells say of a single row that either state is as likely, and few looks change it.
-        let slow =
-            ["log-odds", "octomap", "wavemap", "visibility-window"].iter().any(|name| entry.name.starts_with(name));
+        let slow = ["log-odds", "octomap", "wavemap"].iter().any(|name| entry.name.starts_with(name));
         assert!(before < 0.1 || slow, "{}: before it {before}", entry.name);
         assert!(wall > 0.25 && wall > before + 0.2, "{}: wall {wall}, before it {before}", entry.name);
         // What lies behind a surface is as occupied as the surface, up to a truncation or some sigma.
