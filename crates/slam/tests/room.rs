@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
 use sensor::{OdometryNoise, Pose, Scan, Step};
 use slam::{Options, Outcome, Slam, SlamError, Update, Weight};
-use worlds::{Exact, room, seen, way};
+use worlds::{Exact, FEW, room, seen, way};
 
 /// What the odometry measures of a way, with half as much again of the standard noise.
 fn measured(way: &[Pose], seed: u64) -> Vec<Pose> {
@@ -41,18 +41,6 @@ fn driven(mut filter: Slam, way: &[Pose], odometry: &[Pose]) -> (Outcome, Vec<us
 fn worst_m(found: impl IntoIterator<Item = Pose>, way: &[Pose]) -> f64 {
     found.into_iter().zip(way).map(|(a, b)| (a.x_m - b.x_m).hypot(a.y_m - b.y_m)).fold(0.0, f64::max)
 }
-
-const FEW: Options = Options {
-    particles: 6,
-    seed: 3,
-    weight: Weight::FIELD,
-    proposal: slam::Proposal::Matched,
-    sharpness: slam::Sharpness { sigma_m: 0.07, occupied: 0.3, power: 1.0 },
-    update_move_m: 0.3,
-    update_turn_rad: 0.3,
-    least_sigmas: Options::OF_LOGS,
-    reach_m: 20.0,
-};
 
 #[test]
 fn the_way_is_found_where_odometry_loses_it_by_either_weight_and_any_map() {

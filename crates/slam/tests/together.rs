@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
 use sensor::{Laser, OdometryNoise, Pose, Scan, Sonar, Step};
 use slam::{Mounted, Options, Outcome, Slam, Update, Weight};
-use worlds::{room, seen, way};
+use worlds::{FEW, room, seen, way};
 
 /// Two lasers, and a ring of sonars as number 2.
 fn model() -> Model {
@@ -17,18 +17,6 @@ fn model() -> Model {
     let sonar = Arc::new(Sonar { max_range_m: 4.0, ..Sonar::default() });
     Model { sensors: Sensors::new(vec![laser(), laser(), sonar]), ..room() }
 }
-
-const FEW: Options = Options {
-    particles: 6,
-    seed: 3,
-    weight: Weight::FIELD,
-    proposal: slam::Proposal::Matched,
-    sharpness: slam::Sharpness { sigma_m: 0.07, occupied: 0.3, power: 1.0 },
-    update_move_m: 0.3,
-    update_turn_rad: 0.3,
-    least_sigmas: Options::OF_LOGS,
-    reach_m: 20.0,
-};
 
 fn filter(options: Options) -> Slam {
     let model = model();

@@ -6,9 +6,23 @@ use std::sync::{Arc, OnceLock};
 use grid::{GridSpec, Raster};
 use mapper::{Belief, Mapper, Model, Predictive};
 use sensor::{Laser, Pose, Scan};
+use slam::{Options, Weight};
 
 /// A laser that is as coarse as the cells of the small world.
 pub const COARSE: Laser = Laser { range_sigma_m: 0.3, max_range_m: 8.0, hit: 0.85, no_echo: 0.05, early_per_m: 0.02 };
+
+/// A filter of few particles, quick enough for a test.
+pub const FEW: Options = Options {
+    particles: 6,
+    seed: 3,
+    weight: Weight::FIELD,
+    proposal: slam::Proposal::Matched,
+    sharpness: slam::Sharpness { sigma_m: 0.07, occupied: 0.3, power: 1.0 },
+    update_move_m: 0.3,
+    update_turn_rad: 0.3,
+    least_sigmas: Options::OF_LOGS,
+    reach_m: 20.0,
+};
 
 /// Probability that a cell of the small world is occupied, and that one beyond it begins an obstacle.
 const OCCUPIED: f64 = 0.3;
