@@ -57,7 +57,7 @@ use crate::bounds::{FAR_M, LATE_S, WOUND_RAD};
 use crate::fan::{Fan, FanSource, guessed};
 use crate::fields::{Fields, quoted};
 use crate::finding::Finding;
-use crate::frames::{distance_m, mounted, seen_from, turn_rad};
+use crate::frames::{distance_m, turn_rad};
 use crate::options::Options;
 use crate::ranges::{MAX_SONAR_M, Rule, check_unit};
 use crate::record::{Fault, Parser, Recorded, Sensor};
@@ -176,7 +176,7 @@ impl Carmen {
         fields.skip(5); // velocities, safety distances, turn_axis
         message.time_s = fields.number("time", LATE_S)?;
         let mut recorded = self.recorded(&message, report)?;
-        (recorded.scan.pose, recorded.mount, recorded.placed) = (laser, Some(seen_from(robot, laser)), true);
+        (recorded.scan.pose, recorded.mount, recorded.placed) = (laser, Some(laser.seen_from(robot)), true);
         Ok(recorded)
     }
 
@@ -318,7 +318,7 @@ impl Carmen {
 /// Whether a scan's pose is that of the odometry, or of the laser on it.
 fn is_odometry(recorded: &Recorded, odometry: Pose) -> bool {
     let pose = recorded.scan.pose;
-    is_same(odometry, pose) || is_same(mounted(odometry, recorded.mount.unwrap_or_default()), pose)
+    is_same(odometry, pose) || is_same(odometry.compose(recorded.mount.unwrap_or_default()), pose)
 }
 
 fn is_same(a: Pose, b: Pose) -> bool {
@@ -330,7 +330,7 @@ fn robot(recorded: &Recorded) -> Pose {
     let (mount, pose) = (recorded.mount.unwrap_or_default(), recorded.scan.pose);
     match recorded.odometry {
         Some(odometry) if is_same(odometry, pose) => pose,
-        _ => mounted(pose, seen_from(mount, Pose::default())),
+        _ => pose.compose(Pose::default().seen_from(mount)),
     }
 }
 

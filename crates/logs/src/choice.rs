@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::frames::{distance_m, mounted, turn_rad};
+use crate::frames::{distance_m, turn_rad};
 use crate::motion::Place;
 use crate::options::Options;
 use crate::record::{Event, Recorded};
@@ -78,8 +78,8 @@ impl Choice {
                 }
             };
             scan.pose = match body {
-                Body::Sensor => mounted(pose, from_reference),
-                Body::Robot => mounted(pose, mount.unwrap_or_default()),
+                Body::Sensor => pose.compose(from_reference),
+                Body::Robot => pose.compose(mount.unwrap_or_default()),
             };
         } else if !placed {
             report.sensors.entry(sensor).or_default().without_pose += 1;

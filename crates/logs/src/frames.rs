@@ -1,25 +1,8 @@
-//! Poses in the frames of others, and between two times.
+//! Poses between two times, and how far they are from each other.
 
 use std::f64::consts::TAU;
 
 use sensor::Pose;
-
-/// Where something stands that is mounted so on what stands at `body`.
-pub(crate) fn mounted(body: Pose, mount: Pose) -> Pose {
-    let (sin, cos) = libm::sincos(body.theta_rad);
-    Pose {
-        x_m: body.x_m + cos * mount.x_m - sin * mount.y_m,
-        y_m: body.y_m + sin * mount.x_m + cos * mount.y_m,
-        theta_rad: body.theta_rad + mount.theta_rad,
-    }
-}
-
-/// `pose` in the frame of `from`.
-pub(crate) fn seen_from(from: Pose, pose: Pose) -> Pose {
-    let (sin, cos) = libm::sincos(from.theta_rad);
-    let [x, y] = [pose.x_m - from.x_m, pose.y_m - from.y_m];
-    Pose { x_m: cos * x + sin * y, y_m: cos * y - sin * x, theta_rad: pose.theta_rad - from.theta_rad }
-}
 
 /// The pose at a share (0 to 1) of the way: along a line, and by the shorter turn.
 pub(crate) fn between(before: Pose, after: Pose, share: f64) -> Pose {
@@ -51,12 +34,12 @@ mod tests {
         fn a_mount_is_undone_by_its_inverse(x in -9.0..9.0, y in -9.0..9.0, theta in -3.0..3.0, dx in -1.0..1.0, turn in -3.0..3.0) {
             let body = Pose { x_m: x, y_m: y, theta_rad: theta };
             let mount = Pose { x_m: dx, y_m: 0.2, theta_rad: turn };
-            let sensor = mounted(body, mount);
+            let sensor = body.compose(mount);
             // By complex numbers, the slow way.
             let (sin, cos) = libm::sincos(-theta);
             let [px, py] = [sensor.x_m - x, sensor.y_m - y];
             prop_assert!((px * cos - py * sin - dx).abs() < 1e-9 && (px * sin + py * cos - 0.2).abs() < 1e-9);
-            let back = seen_from(body, sensor);
+            let back = sensor.seen_from(body);
             prop_assert!(distance_m(back, mount) < 1e-9 && (back.theta_rad - turn).abs() < 1e-9);
         }
     }

@@ -5,7 +5,6 @@ use sensor::Pose;
 
 use crate::drive::Drive;
 use crate::geometry::distance;
-use crate::mounted::mounted;
 use crate::scene::Scene;
 use crate::warning::Warning;
 use crate::world::World;
@@ -42,7 +41,7 @@ pub fn enclosure(scene: &Scene, world: &World, drive: &Drive) -> Enclosure {
     let looks = drive.poses.par_iter().map(|timed| {
         let ends = |bearing: f64| world.cast(timed.pose.position_m(), timed.pose.direction(bearing)).is_some();
         let ended = |(mount, bearings): &(Pose, Vec<f64>)| {
-            let at = mounted(timed.pose, *mount);
+            let at = timed.pose.compose(*mount);
             let ends = |bearing: f64| world.cast(at.position_m(), at.direction(bearing)).is_some();
             bearings.iter().filter(|&&bearing| ends(bearing)).count()
         };

@@ -22,22 +22,12 @@ pub struct Mounted {
 impl Mounted {
     /// Where the sensor stands when the robot stands at `robot`.
     pub fn pose(&self, robot: Pose) -> Pose {
-        mounted(robot, self.mount)
+        robot.compose(self.mount)
     }
 
     /// Whether it reads at a scan of the drive, counted from 0.
     pub fn reads_at(&self, scan: usize) -> bool {
         scan.is_multiple_of(self.every)
-    }
-}
-
-/// A pose in the frame of another.
-pub(crate) fn mounted(robot: Pose, mount: Pose) -> Pose {
-    let (sin, cos) = libm::sincos(robot.theta_rad);
-    Pose {
-        x_m: robot.x_m + cos * mount.x_m - sin * mount.y_m,
-        y_m: robot.y_m + sin * mount.x_m + cos * mount.y_m,
-        theta_rad: robot.theta_rad + mount.theta_rad,
     }
 }
 

@@ -51,6 +51,23 @@ impl Pose {
         let (sin, cos) = libm::sincos(self.theta_rad + bearing);
         [cos, sin]
     }
+
+    /// The pose of what is mounted so on a body of this pose; the heading is not wrapped.
+    pub fn compose(self, mount: Self) -> Self {
+        let (sin, cos) = libm::sincos(self.theta_rad);
+        Self {
+            x_m: self.x_m + cos * mount.x_m - sin * mount.y_m,
+            y_m: self.y_m + sin * mount.x_m + cos * mount.y_m,
+            theta_rad: self.theta_rad + mount.theta_rad,
+        }
+    }
+
+    /// This pose in the frame of another, which undoes [`compose`](Self::compose); the heading is not wrapped.
+    pub fn seen_from(self, from: Self) -> Self {
+        let (sin, cos) = libm::sincos(from.theta_rad);
+        let [x, y] = [self.x_m - from.x_m, self.y_m - from.y_m];
+        Self { x_m: cos * x + sin * y, y_m: cos * y - sin * x, theta_rad: self.theta_rad - from.theta_rad }
+    }
 }
 
 impl Scan {

@@ -5,7 +5,6 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use sensor::Pose;
 
 use super::track::{Found, Track};
-use crate::frames::{mounted, seen_from};
 use crate::record::Recorded;
 use crate::report::Report;
 
@@ -132,7 +131,7 @@ impl Waiting {
         match self.odometry.find(recorded.scan.time_s, max_gap_s) {
             Found::Pose(robot) => {
                 recorded.odometry = Some(robot);
-                recorded.scan.pose = mounted(robot, recorded.mount.unwrap_or_default());
+                recorded.scan.pose = robot.compose(recorded.mount.unwrap_or_default());
                 recorded.placed = true;
                 report.sensors.entry(recorded.sensor).or_default().odometry_poses += 1;
             }
@@ -144,14 +143,14 @@ impl Waiting {
 
     fn sonar(&self, mut recorded: Recorded, max_gap_s: f64, report: &mut Report) -> Recorded {
         // A trajectory of "the sensor" is that of the laser.
-        recorded.from_reference = seen_from(self.reference, recorded.mount.unwrap_or_default());
+        recorded.from_reference = recorded.mount.unwrap_or_default().seen_from(self.reference);
         if self.lasers.is_empty() {
             return self.by_odometry(recorded, max_gap_s, report);
         }
         let time_s = recorded.scan.time_s;
         match self.lasers.find(time_s, max_gap_s) {
             Found::Pose(robot) => {
-                recorded.scan.pose = mounted(robot, recorded.mount.unwrap_or_default());
+                recorded.scan.pose = robot.compose(recorded.mount.unwrap_or_default());
                 recorded.placed = true;
             }
             Found::Gap(gap) => recorded.gap = Some(gap),

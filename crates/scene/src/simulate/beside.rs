@@ -10,7 +10,7 @@ use sensor::{Device, Pose, Scan, SensorKind, Surface};
 use super::standing::images;
 use super::{End, Eye, WORDS_PER_RAY};
 use crate::Hit;
-use crate::mounted::{Mounted, mounted};
+use crate::mounted::Mounted;
 
 /// Random streams of the seed, far from those of the camera, odometry, and what moves: of the readings of a scan, by sensor.
 const READINGS: u64 = u64::MAX - (5 << 32);
@@ -43,7 +43,7 @@ pub struct BesideScan {
 impl BesideScan {
     /// Where the sensor stands when the robot stands at `robot`.
     pub fn mounted_on(&self, robot: Pose) -> Pose {
-        mounted(robot, self.mount)
+        robot.compose(self.mount)
     }
 }
 

@@ -65,21 +65,13 @@ pub(super) fn mounts(place: &str, scans: &[Placed]) -> Result<BTreeMap<usize, Po
 
 /// The body's pose by odometry where that of a sensor on it is known.
 pub(super) fn body(sensor: Pose, mount: Pose) -> Pose {
-    let back = seen_from(mount, Pose::default());
-    let (sin, cos) = libm::sincos(sensor.theta_rad);
-    Pose {
-        x_m: sensor.x_m + cos * back.x_m - sin * back.y_m,
-        y_m: sensor.y_m + sin * back.x_m + cos * back.y_m,
-        theta_rad: sensor.theta_rad + back.theta_rad,
-    }
+    sensor.compose(seen_from(mount, Pose::default()))
 }
 
-/// A pose in the frame of another.
+/// A pose in the frame of another, its heading from -pi to pi.
 pub(super) fn seen_from(from: Pose, pose: Pose) -> Pose {
-    let (sin, cos) = libm::sincos(from.theta_rad);
-    let [x, y] = [pose.x_m - from.x_m, pose.y_m - from.y_m];
-    let theta_rad = wrapped_rad(pose.theta_rad - from.theta_rad);
-    Pose { x_m: cos * x + sin * y, y_m: cos * y - sin * x, theta_rad }
+    let seen = pose.seen_from(from);
+    Pose { theta_rad: wrapped_rad(seen.theta_rad), ..seen }
 }
 
 fn is_same(a: Pose, b: Pose) -> bool {
