@@ -44,6 +44,8 @@ pub struct Log<'a> {
     choice: Choice,
     /// The report may keep no problem at all.
     first_damage: Option<Problem>,
+    /// The line that was damaged last: what two of its sensors read can be so.
+    last_damaged: Option<u64>,
     /// Whether it was said that scans differ in maximum range.
     maximum_changed: bool,
     /// Why reading came to an end before the log did, to be said after the last scan.
@@ -192,6 +194,7 @@ impl<'a> Log<'a> {
             near: VecDeque::new(),
             choice: Choice::new(options, 0.0),
             first_damage: None,
+            last_damaged: None,
             maximum_changed: false,
             failure: None,
             ended: false,
@@ -311,7 +314,7 @@ impl<'a> Log<'a> {
     }
 
     fn damage(&mut self, line: u64, reason: String) {
-        self.report.damaged += 1;
+        self.report.damaged += u64::from(self.last_damaged.replace(line) != Some(line));
         self.first_damage.get_or_insert_with(|| Problem { line, reason: reason.clone() });
         self.report.note(line, reason, self.options.problems);
     }

@@ -97,6 +97,15 @@ fn damage_costs_a_beam_and_units_cost_the_scan() {
 }
 
 #[test]
+fn a_scan_that_is_wrong_in_two_ways_is_damaged_once() {
+    let head = "scan,time_s,x_m,y_m,theta_rad,bearing_rad,disparity_px,range_m";
+    let rows: String = (0..3).map(|k| format!("0,0,0,0,0,0.{k},90{k},150{k}\n1,1,0,0,0,0.{k},9,2\n")).collect();
+    let options = Options { max_disparity_px: Some(128.0), ..Options::default() };
+    let (scans, report, _) = read(format!("{head}\n{rows}"), &options).expect("the second scan");
+    assert_eq!((scans.len(), report.scans, report.damaged, report.problems.len()), (2, 2, 1, 2), "{report}");
+}
+
+#[test]
 fn a_wrong_head_is_refused_with_its_line() {
     let message = read("\nscan,x_m,y_m,theta_rad,range_m\n", &Options::default()).expect_err("head").to_string();
     assert!(message.starts_with("a.csv:2: column bearing_rad: is missing"), "{message}");
