@@ -12,10 +12,12 @@ use assert_cmd::Command;
 use checked::checked;
 
 /// Commands that take more than seconds, each with options behind it that shorten it.
-const SLOW: [(&str, &str); 6] = [
+const SLOW: [(&str, &str); 8] = [
     ("compare --quick", "--seeds 1 --batch-seeds 0 --mappers visibility,conventional --families halls"),
     ("gate", "--only near"),
-    ("calibrate scenes/logs/aces.clf.bz2", "--scans 60"),
+    ("calibrate scenes/logs/aces.clf.bz2", "--scans 60 --grid 0.2"),
+    ("room --mapper mine='python3 experiments/examples/python/counting.py'", "--mappers prior --grid 0.2"),
+    ("room --svg --width 178 --dpi 600", "--mappers visibility --grid 0.1"),
     ("replay scenes/logs/aces.clf.bz2", "--every 5 --mappers visibility,conventional"),
     ("slam scenes/logs/aces.clf.bz2", "--particles 2 --every 3"),
     ("sweep cell-size", "--shards 0"),
@@ -32,7 +34,13 @@ fn commands() -> Vec<String> {
     let typed = typed.map(|line| line.split(" #").next().unwrap_or_default().trim().to_owned());
     let table = text.lines().skip_while(|line| !line.starts_with("| I have |")).skip(2);
     let cells = table.take_while(|line| line.starts_with('|')).filter_map(|line| line.split('`').nth(1));
-    typed.chain(cells.map(str::to_owned)).collect()
+    let mut commands: Vec<String> = Vec::new();
+    for command in typed.chain(cells.map(str::to_owned)) {
+        if !commands.contains(&command) {
+            commands.push(command);
+        }
+    }
+    commands
 }
 
 #[test]

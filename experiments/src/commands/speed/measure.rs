@@ -223,7 +223,9 @@ mod tests {
     fn every_mapper_of_the_catalogue_does_its_work() {
         let (set, setup) = set();
         let visited = set.visited(&setup.grid);
-        let entries: Vec<&'static Entry> = mapper::catalogue::MAPPERS.iter().collect();
+        // `gibbs` draws as `gibbs-unchecked` does, for longer.
+        let entries = mapper::catalogue::MAPPERS.iter().filter(|entry| entry.name != "gibbs");
+        let entries: Vec<&'static Entry> = entries.collect();
         let speeds = measure(&entries, &setup, (&set, Known::Mixed), &visited, 2, || ()).expect("all work");
         assert!(speeds.iter().all(|speed| speed.seconds.len() == 2 && speed.seconds[0] > 0.0));
         let log_odds = speeds.iter().find(|speed| speed.mapper == "log-odds-octomap").expect("in the catalogue");
