@@ -1,8 +1,6 @@
 //! `calibrate` as a user meets it: what was put into simulated readings comes back.
 
-mod checked;
-mod recorded;
-
+use crate::recorded;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
@@ -16,8 +14,8 @@ use sensor::Laser;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use checked::checked;
-use recorded::{recorded, room};
+use crate::checked::checked;
+use crate::recorded::{recorded, room};
 
 fn calibrate(folder: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::cargo_bin("experiments").expect("built");

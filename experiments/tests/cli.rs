@@ -1,9 +1,5 @@
 //! The command line as a user meets it: exit codes, messages, files, and the same bytes every time.
 
-mod attic;
-mod checked;
-mod closet;
-
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -12,9 +8,9 @@ use std::process::Output;
 use assert_cmd::Command;
 use tempfile::TempDir;
 
-use attic::FAMILY;
-use checked::checked;
-use closet::SCENE;
+use crate::attic::FAMILY;
+use crate::checked::checked;
+use crate::closet::SCENE;
 
 struct Place {
     folder: TempDir,

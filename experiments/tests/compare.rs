@@ -1,8 +1,5 @@
 //! `compare` as a user meets it: files, the same bytes every time, interruption, and messages.
 
-mod checked;
-mod nook;
-
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,8 +9,8 @@ use std::time::Duration;
 use experiments::commands::compare::plan::ON_REQUEST;
 use tempfile::TempDir;
 
-use checked::checked;
-use nook::FAMILY;
+use crate::checked::checked;
+use crate::nook::FAMILY;
 
 struct Place {
     folder: TempDir,

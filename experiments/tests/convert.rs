@@ -1,7 +1,5 @@
 //! `convert` as a user meets it: what it writes, what it keeps, and what it refuses.
 
-mod checked;
-
 use std::fs;
 use std::path::Path;
 
@@ -10,7 +8,7 @@ use grid::ros_map::{self, RosMap};
 use grid::{GridSpec, Raster, npy};
 use tempfile::TempDir;
 
-use checked::checked;
+use crate::checked::checked;
 
 const YAML: &str = "\
 image: m.pgm

@@ -1,8 +1,6 @@
 //! `estimate` on a world made to have the paper's prior.
 
-#[path = "../../crates/mapper/tests/mosaic/mod.rs"]
-mod mosaic;
-
+use crate::mosaic;
 use std::fs;
 use std::path::Path;
 

@@ -1,13 +1,11 @@
 //! `features`: from posts, scenes and tables to landmarks.
 
-mod checked;
-
 use std::fs;
 use std::path::Path;
 
 use assert_cmd::Command;
 
-use checked::checked;
+use crate::checked::checked;
 
 fn run(folder: &Path, code: i32, args: &[&str]) -> (String, String) {
     let args = [&["features"], args].concat();

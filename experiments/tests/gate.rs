@@ -1,10 +1,6 @@
 //! `gate` as a build meets it: verdicts, baselines, exit codes, files for other machines, and messages.
 
-mod checked;
-#[path = "../examples/own-gate/src/counting.rs"]
-mod counting;
-mod nook;
-
+use crate::counting;
 use std::fs;
 use std::path::PathBuf;
 use std::process::Command;
@@ -15,8 +11,8 @@ use quick_xml::Reader;
 use quick_xml::events::Event;
 use tempfile::TempDir;
 
-use checked::checked;
-use nook::FAMILY;
+use crate::checked::checked;
+use crate::nook::FAMILY;
 
 /// One gate of every kind.
 const GATES: &str = r#"

@@ -1,7 +1,5 @@
 //! README and guide: short enough to be read, no link leads nowhere, and what is quoted from `results/` is what stands there.
 
-#![allow(missing_docs)]
-
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};

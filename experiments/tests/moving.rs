@@ -1,9 +1,5 @@
 //! Worlds that move, as the commands meet them.
 
-mod checked;
-mod closet;
-mod nook;
-
 use std::collections::HashMap;
 use std::fs;
 use std::path::Path;
@@ -12,9 +8,9 @@ use std::process::Command;
 use experiments::page::{DecodedWorld, decoded};
 use score::{MovingRegion, Region, Scorer};
 
-use checked::checked;
-use closet::SCENE;
-use nook::FAMILY;
+use crate::checked::checked;
+use crate::closet::SCENE;
+use crate::nook::FAMILY;
 
 /// Somebody who walks along the far wall, a chair that is put elsewhere and a door that opens.
 const THINGS: &str = r#"

@@ -1,16 +1,14 @@
 //! No run destroys a file that it should not, whatever the user types.
 
-mod attic;
-mod checked;
-mod closet;
-
+use crate::attic;
+use crate::closet;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
 use tempfile::TempDir;
 
-use checked::checked;
+use crate::checked::checked;
 
 /// A folder with a scene, and what is in it.
 struct Place(TempDir);

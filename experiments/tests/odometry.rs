@@ -1,18 +1,14 @@
 //! Odometry beside the true pose, from `room` to `replay`.
 
-mod checked;
-mod closet;
-mod nook;
-
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 
+use crate::nook::FAMILY;
 use logs::{Log, Options};
-use nook::FAMILY;
 
-use checked::checked;
-use closet::SCENE;
+use crate::checked::checked;
+use crate::closet::SCENE;
 
 fn room(folder: &Path, scene: &str, more: &[&str]) -> Vec<csv::StringRecord> {
     let args = [&["room", "--scene", scene, "--mappers", "visibility", "--out", "out"], more].concat();

@@ -1,17 +1,13 @@
 //! Wrong poses, as the commands meet them.
 
-mod checked;
-mod closet;
-mod nook;
-
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use checked::checked;
-use closet::SCENE;
-use nook::FAMILY;
+use crate::checked::checked;
+use crate::closet::SCENE;
+use crate::nook::FAMILY;
 
 fn run(folder: &Path, code: i32, args: &[&str]) -> (String, String) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_experiments"));

@@ -2,9 +2,6 @@
 
 #![cfg(unix)]
 
-mod checked;
-mod closet;
-
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -20,8 +17,8 @@ use mapper::catalogue::{Entry, find};
 use serde_json::Value;
 use tempfile::TempDir;
 
-use checked::checked;
-use closet::SCENE;
+use crate::checked::checked;
+use crate::closet::SCENE;
 
 /// The program of `tests/child`.
 const CHILD: &str = env!("CARGO_BIN_EXE_test-program");

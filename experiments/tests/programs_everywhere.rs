@@ -2,10 +2,8 @@
 
 #![cfg(unix)]
 
-mod attic;
-mod checked;
-mod closet;
-
+use crate::attic;
+use crate::closet;
 use std::fs;
 use std::path::Path;
 use std::process::Output;
@@ -14,7 +12,7 @@ use assert_cmd::Command;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use checked::checked;
+use crate::checked::checked;
 
 /// The program of `tests/child`.
 const CHILD: &str = env!("CARGO_BIN_EXE_test-program");

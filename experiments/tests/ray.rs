@@ -1,7 +1,5 @@
 //! `ray` against the definitions, taken literally: the sum over all 2^N states of files drawn at random. Nothing here uses the crates.
 
-mod checked;
-
 use std::fs;
 use std::path::Path;
 
@@ -9,7 +7,7 @@ use assert_cmd::Command;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use checked::checked;
+use crate::checked::checked;
 
 fn run(folder: &Path, code: i32, args: &[&str]) -> (String, String) {
     let mut command = Command::cargo_bin("experiments").expect("built");

@@ -1,15 +1,11 @@
 //! Every command of the README runs as written, in an empty folder: what it reads comes with the program. Slow ones run shorter.
 
-#![allow(missing_docs)]
-
-mod checked;
-
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use assert_cmd::Command;
 
-use checked::checked;
+use crate::checked::checked;
 
 /// Commands that take more than seconds, each with options behind it that shorten it.
 const SLOW: [(&str, &str); 8] = [

@@ -1,8 +1,6 @@
 //! `replay` as a user meets it: logs that were simulated, so that the truth is known, and logs that are damaged.
 
-mod checked;
-mod recorded;
-
+use crate::recorded;
 use std::fmt::Write as _;
 use std::fs;
 use std::io::Write as _;
@@ -21,8 +19,8 @@ use sensor::{Laser, Pose, Sonar};
 use serde_json::Value;
 use tempfile::TempDir;
 
-use checked::checked;
-use recorded::{BEAMS, recorded, room};
+use crate::checked::checked;
+use crate::recorded::{BEAMS, recorded, room};
 
 fn replay(folder: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::cargo_bin("experiments").expect("built");

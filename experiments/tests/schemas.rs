@@ -1,7 +1,5 @@
 //! The JSON schemas say what the readers do: the same keys at every table, the same shipped files, the same mutants refused.
 
-#![allow(missing_docs)]
-
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,8 +1,6 @@
 //! `score` as a user meets it: the numbers of an oracle that knows nothing of ours, and what is refused.
 
-mod checked;
-mod closet;
-
+use crate::closet;
 use std::fs;
 use std::path::Path;
 
@@ -13,7 +11,7 @@ use proptest::prelude::*;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use checked::checked;
+use crate::checked::checked;
 
 struct Place(TempDir);
 

@@ -1,9 +1,6 @@
 //! `slam`, as it is typed: what it finds, writes and refuses.
 
-mod checked;
-mod closet;
-mod recorded;
-
+use crate::recorded;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
@@ -15,8 +12,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
 use sensor::{Laser, OdometryNoise, Pose, Scan, Step};
 
-use checked::checked;
-use closet::SCENE;
+use crate::checked::checked;
+use crate::closet::SCENE;
 
 fn run(folder: &Path, code: i32, args: &[&str]) -> (String, String) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_experiments"));

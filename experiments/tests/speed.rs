@@ -1,8 +1,6 @@
 //! `speed` as a user meets it: its forms, the cells that it counts, and files that it refuses. Nothing here depends on
 //! how fast anything is.
 
-mod checked;
-
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::fs;
@@ -17,7 +15,7 @@ use mapper::catalogue::find;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-use checked::checked;
+use crate::checked::checked;
 
 const HEAD: &str = "scan,x_m,y_m,theta_rad,bearing_rad,range_m\n";
 

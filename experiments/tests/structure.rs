@@ -1,12 +1,10 @@
 //! The structure of the sources, drawn from their imports: no circles of files, arrows point down, and no command
 //! imports another.
 
-mod imports;
-
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use imports::{Arrows, arrows};
+use crate::imports::{Arrows, arrows};
 
 /// The rooms of this package from the roof to the cellar; a room imports those of its own level and of lower ones.
 const LEVELS: [&[&str]; 7] = [

@@ -1,8 +1,5 @@
 //! `sweep`: whatever happens to those who run its shards, the table is the same to the byte.
 
-mod attic;
-mod checked;
-
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -12,8 +9,8 @@ use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
 use tempfile::TempDir;
 
-use attic::FAMILY;
-use checked::checked;
+use crate::attic::FAMILY;
+use crate::checked::checked;
 
 const SWEEP: &str = r#"
 families = ["attics.toml"]

@@ -1,11 +1,9 @@
 //! A thousand scans of the room: the fast mapper's scores are those of its reference.
 
-mod checked;
-
 use std::fs;
 use std::process::Command;
 
-use checked::checked;
+use crate::checked::checked;
 
 /// A scan every 58 ms of the drive of 58 s.
 const SWEEP: &str = r#"

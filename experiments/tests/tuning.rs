@@ -1,8 +1,5 @@
 //! `tune`: exit codes, the same bytes every time, and what is built in is what was fitted.
 
-mod attic;
-mod checked;
-
 use std::fs;
 use std::path::Path;
 
@@ -11,8 +8,8 @@ use experiments::commands::tune::candidates::{Tuned, parameters};
 use mapper::{Candidate, Setting};
 use tempfile::TempDir;
 
-use attic::FAMILY;
-use checked::checked;
+use crate::attic::FAMILY;
+use crate::checked::checked;
 
 fn place() -> TempDir {
     let folder = tempfile::tempdir().expect("temporary folder");

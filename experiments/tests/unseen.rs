@@ -1,8 +1,6 @@
 //! No exported map calls free what no ray has reached: random scenes, every kind of mapper, every command that exports.
 
-mod attic;
-mod checked;
-
+use crate::attic;
 use std::fs;
 use std::path::Path;
 
@@ -11,7 +9,7 @@ use proptest::prelude::*;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use checked::checked;
+use crate::checked::checked;
 
 fn run(folder: &Path, args: &[&str]) -> (String, String) {
     let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_experiments"));

@@ -1,16 +1,13 @@
 //! Bags as logs: which topics are taken, where scans stand, what readings say, and what is said of all that is doubtful.
 
-#[path = "../../bags/tests/writer/mod.rs"]
-mod writer;
-
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+use crate::bag_writer::message::{self, FORMS, Form, S, flat};
+use crate::bag_writer::{Message, Packing, bag1, db3, mcap};
 use logs::bag::{BagOptions, Drive, PoseSource};
 use logs::{Body, Event, Log, LogError, Options, Report, Sensor, Trajectory};
 use sensor::Pose;
-use writer::message::{self, FORMS, Form, S, flat};
-use writer::{Message, Packing, bag1, db3, mcap};
 
 const LASER: &str = "sensor_msgs/msg/LaserScan";
 const ODOMETRY: &str = "nav_msgs/msg/Odometry";

@@ -1,14 +1,12 @@
 //! CARMEN logs as a whole: written by a small writer, read back, damaged in every way.
 
-mod writer;
-
 use std::fs;
 use std::io::{self, Read};
 
+use crate::writer::{flaser, gzip, robot_laser};
 use logs::{Body, FanOptions, Log, LogError, Options, Sensor, Trajectory};
 use proptest::prelude::*;
 use sensor::{Pose, Scan};
-use writer::{flaser, gzip, robot_laser};
 
 fn read(text: impl AsRef<[u8]>, options: &Options) -> Result<(Vec<Scan>, logs::Report), LogError> {
     let mut log = Log::read(text.as_ref(), "a.log", options)?;

@@ -1,10 +1,8 @@
 //! What can make results doubtful is said, and only then.
 
-mod writer;
-
+use crate::writer::flaser;
 use logs::{Body, FanOptions, Finding, Log, LogError, Options, Report, Trajectory};
 use sensor::{Pose, Scan};
-use writer::flaser;
 
 /// A scan of so many beams; scan k is made after k tenths of a second, k / 20 m along x.
 fn scan(k: u32, beams: usize) -> Scan {

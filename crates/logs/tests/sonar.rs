@@ -1,13 +1,11 @@
 //! Sonars of CARMEN logs: every one a sensor with its mount and cone, where the robot's lasers or its odometry put them.
 
-mod writer;
-
 use std::f64::consts::FRAC_PI_2;
 
+use crate::writer::{odom, sonar};
 use logs::{Body, Event, Finding, Log, LogError, Options, Report, Sensor, Trajectory};
 use proptest::prelude::*;
 use sensor::{Pose, Scan};
-use writer::{odom, sonar};
 
 fn read(text: &str, options: &Options) -> Result<(Vec<Event>, Report), LogError> {
     let mut log = Log::read(text.as_bytes(), "a.log", options)?;

@@ -1,7 +1,6 @@
 //! Tables of scans as a whole.
 
-mod writer;
-
+use crate::writer;
 use logs::{Body, Log, LogError, Options, Report, Sensor, Trajectory};
 use proptest::prelude::*;
 use sensor::{Pose, Scan};

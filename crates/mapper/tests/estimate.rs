@@ -1,11 +1,9 @@
 //! The estimator against worlds made to have a given prior.
 
-mod mosaic;
-
+use crate::mosaic::mosaic;
 use grid::{GridSpec, Raster};
 use mapper::estimate::law;
 use mapper::{Estimate, Prior};
-use mosaic::mosaic;
 
 fn spec(width: usize, height: usize) -> GridSpec {
     GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width, height }

@@ -1,10 +1,8 @@
 //! `visibility`, fast, against its reference: one scan after the other from the same map.
 
-mod difference;
-
 use std::sync::Arc;
 
-use difference::difference;
+use crate::difference::difference;
 use grid::GridSpec;
 use mapper::{FastVisibility, Lateral, Mapper as _, Model, Prior, Reconciliation, Visibility};
 use proptest::prelude::*;

@@ -1,10 +1,8 @@
 //! Mappers with a laser: the same rules with another kernel, and beams without echo.
 
-mod difference;
-
 use std::sync::Arc;
 
-use difference::difference;
+use crate::difference::difference;
 use grid::{GridSpec, Raster};
 use mapper::catalogue::{Entry, MAPPERS, find};
 use mapper::{EPSILON, FastVisibility, Mapper as _, Model, Prior, Reconciliation, Visibility};

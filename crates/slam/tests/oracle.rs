@@ -1,15 +1,13 @@
 //! The filter against what can be known exactly.
 
-mod worlds;
-
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use crate::worlds::{COARSE, Exact, likelihoods, prior, room, seen, small, way};
 use mapper::{FastVisibility, Mapper as _, Model};
 use rand::RngExt as _;
 use sensor::{OdometryNoise, Pose, Scan, Step};
 use slam::{Motion, Options, Proposal, Slam, Weight};
-use worlds::{COARSE, Exact, likelihoods, prior, room, seen, small, way};
 
 /// Where the odometry measures a step, one of three was driven.
 struct OneOfThree;

@@ -1,15 +1,13 @@
 //! A drive round a room with odometry that drifts.
 
-mod worlds;
-
 use std::sync::Arc;
 
+use crate::worlds::{Exact, FEW, room, seen, way};
 use mapper::{FastVisibility, HitCount, HitCounter, Mapper};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
 use sensor::{OdometryNoise, Pose, Scan, Step};
 use slam::{Options, Outcome, Slam, SlamError, Update, Weight};
-use worlds::{Exact, FEW, room, seen, way};
 
 /// What the odometry measures of a way, with half as much again of the standard noise.
 fn measured(way: &[Pose], seed: u64) -> Vec<Pose> {

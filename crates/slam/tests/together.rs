@@ -1,15 +1,13 @@
 //! Robots with several sensors.
 
-mod worlds;
-
 use std::sync::Arc;
 
+use crate::worlds::{FEW, room, seen, way};
 use mapper::{FastVisibility, Mapper as _, Model, Sensors};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng as _;
 use sensor::{Laser, OdometryNoise, Pose, Scan, Sonar, Step};
 use slam::{Mounted, Options, Outcome, Slam, Update, Weight};
-use worlds::{FEW, room, seen, way};
 
 /// Two lasers, and a ring of sonars as number 2.
 fn model() -> Model {
