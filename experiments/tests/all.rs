@@ -1,7 +1,5 @@
 //! The tests in one binary; one module: `cargo test --workspace --test all cli::`.
 
-#![allow(missing_docs)]
-
 mod attic;
 mod calibrate;
 mod checked;

@@ -15,6 +15,7 @@ mod lateral;
 mod least_squares;
 mod mosaic;
 mod printed;
+mod quick;
 mod together;
 mod tuning;
 mod two_by_two;

@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use grid::GridSpec;
 use mapper::ConstantIncrements;
-use mapper::catalogue::{Entry, MAPPERS};
 use mapper::{Belief, FastVisibility, HitCount, HitCounter, LogOdds, Mapper, Model, PairwiseGrid, Predictive};
 use sensor::{Laser, Pose, Scan};
+
+use crate::quick::quick;
 
 /// A room of `side` m from a place in it, with walls half a metre from the border of the grid; `number` tells scans apart.
 fn scan(side: f64, at: [f64; 2], number: usize) -> Scan {
@@ -30,11 +31,6 @@ fn scan(side: f64, at: [f64; 2], number: usize) -> Scan {
 fn model(side: f64) -> Model {
     let cells = (side / 0.1).round() as usize;
     Model::new(GridSpec { cell_m: 0.1, origin_m: [0.0; 2], width: cells, height: cells }, Arc::new(Laser::default()))
-}
-
-/// All mappers but `gibbs`, which draws as `gibbs-unchecked` does, for longer.
-fn quick() -> impl Iterator<Item = &'static Entry> {
-    MAPPERS.iter().filter(|entry| entry.name != "gibbs")
 }
 
 fn bits(mapper: &dyn Mapper) -> (Vec<u64>, Option<PairwiseGrid>) {

@@ -20,14 +20,14 @@ pub(crate) fn room() -> Ground {
 }
 
 /// A layout of a family.
-#[allow(dead_code, reason = "tests take some of them")]
+#[allow(dead_code, reason = "tests and a benchmark take some of them each")]
 pub(crate) fn layout(family: &str, layout: u64) -> Ground {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../scenes/{family}.toml"));
     Ground::new(scene::load(&path, None, Some(layout)).expect("valid"), 0.1).expect("drivable")
 }
 
 /// Twenty rooms: the furnished one and layouts of the families.
-#[allow(dead_code, reason = "tests take some of them")]
+#[allow(dead_code, reason = "tests and a benchmark take some of them each")]
 pub(crate) fn rooms() -> Vec<Ground> {
     let families = ["clutter", "halls", "two-rooms", "corridors", "closets"];
     let others = (1..20).map(|number| layout(families[number as usize % families.len()], number));
@@ -35,7 +35,7 @@ pub(crate) fn rooms() -> Vec<Ground> {
 }
 
 /// So many scans, at most, of a laser on a drive, spread evenly over it.
-#[allow(dead_code, reason = "tests take some of them")]
+#[allow(dead_code, reason = "tests and a benchmark take some of them each")]
 pub(crate) fn scans(ground: &Ground, laser: &Laser, seed: u64, count: usize) -> Vec<Scan> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let bearings_rad: Vec<f64> = (0..BEAMS).map(|beam| (beam as f64 - 90.0).to_radians()).collect();
@@ -52,7 +52,7 @@ pub(crate) fn scans(ground: &Ground, laser: &Laser, seed: u64, count: usize) -> 
     ground.drive.poses.iter().step_by(every).map(scan).collect()
 }
 
-#[allow(dead_code, reason = "tests take some of them")]
+#[allow(dead_code, reason = "tests and a benchmark take some of them each")]
 /// What a laser of up to 20 m records: a CARMEN log of every `every`-th pose, and the cells that a beam could see.
 pub(crate) fn recorded(ground: &Ground, laser: &Laser, every: usize) -> (String, Raster<bool>) {
     let mut rng = ChaCha8Rng::seed_from_u64(5);

@@ -1,5 +1,4 @@
 //! Writes scans as robots do, for tests that read them back.
-#![allow(dead_code, reason = "every test file uses its part")]
 
 use std::io::Write;
 

@@ -1,5 +1,5 @@
 //! Worlds for tests: one of 3 x 3 cells that is summed over exactly, and a room.
-#![allow(dead_code, unreachable_pub)] // each test uses a part
+#![allow(unreachable_pub)]
 
 use std::sync::{Arc, OnceLock};
 
