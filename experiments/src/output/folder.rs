@@ -99,6 +99,7 @@ impl Staging {
             ))
         };
         purpose.reads.iter().for_each(|path| detail(format_args!("reads {}", path.display())));
+        let _whole = interruption::not_now(); // until what is made here is known to be taken away
         let new = !folder.exists();
         fs::create_dir_all(folder).map_err(|e| refuse("the output folder cannot be made", &e))?;
         let lock = lock(folder).map_err(|()| refuse("the output folder is in use", &"another run is writing to it"))?;

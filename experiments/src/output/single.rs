@@ -97,9 +97,12 @@ pub fn put(files: &[Whole], reads: &[&Path], existing: Existing) -> Result<(), F
 fn together(files: &[Whole]) -> io::Result<()> {
     let folder = files[0].path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     recover(folder).map_err(io::Error::other)?;
-    let hidden = Hidden::make(folder)?;
-    let partial = hidden.path.clone();
-    let _clean_up = interruption::clean_up(move || drop(fs::remove_dir_all(&partial)));
+    let (hidden, _clean_up) = {
+        let _whole = interruption::not_now();
+        let hidden = Hidden::make(folder)?;
+        let partial = hidden.path.clone();
+        (hidden, interruption::clean_up(move || drop(fs::remove_dir_all(&partial))))
+    };
     let (mut former, mut names) = (Vec::new(), Vec::new());
     let written = files.iter().try_for_each(|file| {
         let name = file.path.file_name().unwrap_or_default().to_string_lossy().into_owned();

@@ -141,6 +141,20 @@ fn a_run_that_ends_early_leaves_nothing() {
 }
 
 #[test]
+fn a_folder_is_made_while_no_interruption_cleans_up() {
+    let place = tempfile::tempdir().expect("writable");
+    let folder = place.path().join("new");
+    let interrupted = interruption::not_now();
+    std::thread::scope(|scope| {
+        let opened = scope.spawn(|| Staging::open(&folder, &purpose("room", &[], &["a.csv"])).map(drop));
+        std::thread::sleep(std::time::Duration::from_millis(50));
+        assert!(!folder.exists(), "an interruption now would leave it behind");
+        drop(interrupted);
+        assert!(opened.join().expect("ends").is_ok());
+    });
+}
+
+#[test]
 fn a_file_put_in_the_way_during_the_run_stops_everything() {
     let folder = tempfile::tempdir().expect("temporary folder");
     run(folder.path(), "room", &[], &[("a.csv", "1")]).expect("free");
