@@ -16,14 +16,14 @@ use fitting::Worlds;
 fn tried() -> Vec<FixedLag> {
     let chosen = FixedLag::TUNED;
     let mut tried = vec![chosen];
-    tried.extend([1, 8, 12, 40].map(|scans| FixedLag { scans, ..chosen }));
-    tried.extend([2, 3, 8].map(|sweeps| FixedLag { sweeps, ..chosen }));
-    tried.extend([0.0, 0.25, 0.4, 0.6, 1.0].map(|share| FixedLag { share, ..chosen }));
-    tried.extend([32.0, 128.0].map(|draws| FixedLag { draws, ..chosen }));
-    tried.extend([0.25, 0.4].map(|weight| FixedLag { weight, ..chosen }));
-    tried.extend([0.0, 0.2].map(|leak| FixedLag { leak, ..chosen }));
-    tried.extend([0.35, 0.45, 0.55, 0.7].map(|strength| FixedLag { strength, ..chosen }));
-    tried.extend([-0.3, 0.0].map(|shift| FixedLag { shift, ..chosen }));
+    tried.extend([1, 6, 9, 20, 40].map(|scans| FixedLag { scans, ..chosen }));
+    tried.extend([2, 4].map(|sweeps| FixedLag { sweeps, ..chosen }));
+    tried.extend([0.0, 0.2, 0.5, 0.65, 1.0].map(|share| FixedLag { share, ..chosen }));
+    tried.extend([6.0, 24.0, 64.0].map(|draws| FixedLag { draws, ..chosen }));
+    tried.extend([0.25, 0.4, 0.7].map(|weight| FixedLag { weight, ..chosen }));
+    tried.extend([0.05, 0.1].map(|leak| FixedLag { leak, ..chosen }));
+    tried.extend([0.4, 0.45, 0.55, 0.6].map(|strength| FixedLag { strength, ..chosen }));
+    tried.extend([-0.2, 0.2].map(|shift| FixedLag { shift, ..chosen }));
     tried
 }
 

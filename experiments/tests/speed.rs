@@ -404,3 +404,14 @@ fn a_scene_is_driven_through_with_all_of_its_sensors() {
         found["by_sensor"].as_array().expect("rows").iter().filter_map(|row| row["sensor"].as_str()).collect();
     assert_eq!(sensors, ["camera", "beam"]);
 }
+
+/// A camera's false match of next to no disparity would say kilometres.
+#[test]
+fn what_a_scene_reads_counts_on_its_map_alone() {
+    let found = json(
+        &TempDir::new().expect("temporary folder").path(),
+        &["--scans", "room", "--grid", "0.2", "--repeats", "1", "--mappers", "log-odds-octomap", "--format", "json"],
+    );
+    // 10 m by 8 m, and a metre around them.
+    assert_eq!(found["rows"][0]["map_cells"], 60 * 50);
+}

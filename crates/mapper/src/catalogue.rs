@@ -85,7 +85,7 @@ pub const MAPPERS: &[Entry] = &[
     },
     Entry {
         name: "visibility-window",
-        summary: "the last 20 scans solved together by sampling, and the pairs of visibility-lateral of all of them",
+        summary: "the last 12 scans solved together by sampling, and the pairs of visibility-lateral of all of them",
         source: "Merali and Barfoot 2013; Stone 1961",
         kind: Kind::Online,
         build: &|model| Box::new(VisibilityWindow::new(model, FixedLag::TUNED)),

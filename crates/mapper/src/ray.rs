@@ -9,4 +9,6 @@ pub mod past_the_map;
 pub(crate) mod predictive;
 pub mod printed;
 pub(crate) mod recalibration;
+mod surface;
 pub(crate) mod update;
+pub(crate) mod worth;

@@ -7,7 +7,6 @@ mod chain;
 pub mod field;
 mod moves;
 mod rays;
-mod surface;
 mod tally;
 mod walk;
 mod weights;
@@ -25,11 +24,12 @@ use crate::fit::{Fitted, Setting, numbers};
 use crate::mapper::{Mapper, Mixing, Work};
 use crate::memory::Held as _;
 use crate::model::Model;
+use crate::ray::worth::Reading;
 use crate::rules::readings::Readings;
 
 use self::chain::Chain;
 use self::field::BlockField;
-use self::rays::{Rays, Reading};
+use self::rays::Rays;
 use self::tally::{Tally, agreement};
 use self::walk::Walk;
 

@@ -109,11 +109,11 @@ impl Readings {
         self.none[ray]
     }
 
-    /// Ranges (m) at which a ray crosses from cell to cell, as [`DigitalLine::ranges`], and its direction. Traced anew into a buffer.
-    pub(crate) fn trace<'a>(&self, ray: usize, line: &'a mut DigitalLine) -> (&'a [f64], [f64; 2]) {
+    /// Traces a ray anew into a buffer, and tells its direction.
+    pub(crate) fn trace(&self, ray: usize, line: &mut DigitalLine) -> [f64; 2] {
         let [origin_m, direction] = self.lines[ray];
         line.trace(&self.spec, origin_m, direction, f64::INFINITY);
-        (line.ranges(), direction)
+        direction
     }
 
     /// The rays through each of so many cells. O(entries).

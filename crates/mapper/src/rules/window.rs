@@ -1,36 +1,38 @@
 //! The last scans solved together, and a map of pairs of all of them: a mapper with a fixed lag.
 //!
-//! One map of occupied and free cells is drawn again and again, as [`Gibbs`](crate::Gibbs) draws it, from the posterior of the last
-//! scans: every reading is explained by the first occupied cell of its ray, and the prior knows how blocks of cells look. What leaves the
-//! window is condensed twice: into a log odds per cell, as what its flip gained on average while the readings were there (the natural
-//! gradient of variational inference: Hoffman et al. 2013), and into the pairs of `visibility-lateral`, which take every scan as it
-//! comes. The map is the mean of the two, a linear opinion pool (Stone 1961): where the one has settled on what is wrong, the other
-//! does not follow.
+//! Eight maps of occupied and free cells are drawn again and again, a chain to a lane, from the posterior of the last scans that
+//! [`Gibbs`](crate::Gibbs) has of all: every reading is explained by the first occupied cell of its ray, and the prior knows how blocks of
+//! cells look. What leaves the window is condensed twice: into a log odds per cell, as what its flip gained on average while the readings
+//! were there (the natural gradient of variational inference: Hoffman et al. 2013), and into the pairs of `visibility-lateral`, which take
+//! every scan as it comes. The map is the mean of the two, a linear opinion pool (Stone 1961): where the one has settled on what is wrong,
+//! the other does not follow.
 
-mod chain;
+mod chains;
 mod lag;
 mod rays;
-mod worth;
+mod reader;
 
 use std::cell::OnceCell;
 
 use grid::Raster;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
-use sensor::Scan;
+use sensor::lanes::{LANES, Lanes, each};
+use sensor::{Scan, exp_minus, in_lanes};
 
 use crate::belief::lateral::Lateral;
-use crate::belief::probability::{EPSILON, bounded};
+use crate::belief::probability::bounded;
 use crate::fast::visibility::FastVisibility;
 use crate::fit::{Fitted, Setting};
 use crate::mapper::{Mapper, Work};
 use crate::memory::Held;
 use crate::model::{Model, Sensors};
+use crate::ray::worth::Reading;
 use crate::rules::gibbs::Sampling;
-use crate::rules::window::chain::{Chain, Target};
+use crate::rules::window::chains::{Chains, Target, maps};
 pub use crate::rules::window::lag::FixedLag;
-use crate::rules::window::rays::Moment;
-use crate::rules::window::worth::{Reader, Reading};
+use crate::rules::window::rays::{Crossing, Moment};
+use crate::rules::window::reader::Reader;
 
 /// Cells that are occupied with a probability between this and one less it are in doubt, and drawn in every sweep.
 const DOUBT: f64 = 0.01;
@@ -44,23 +46,25 @@ const BEHIND: u32 = 3;
 /// Gains on rays that are about to leave are looked at after one scan in so many.
 const LOOKS: u32 = 3;
 
-/// Sweeps after a scan that count for nothing, since the map is still that of the scan before.
-const WARM_UP: usize = 1;
+/// Cells whose rays are looked up together.
+const TOGETHER: usize = 32;
 
-/// Beyond this, in log odds, a probability is its bound.
-const SURE: f64 = 14.0;
+/// Differences in nats beyond this are as good as this: the exponential of the rest is nothing in single precision.
+const FAR: f32 = 80.0;
 
 /// The mapper with a fixed lag. Online; O(cells) per ray, and per scan O(rays through them) per cell in doubt and sweep.
 ///
-/// Holds 60 bytes per cell of the map, and 24 per cell of every ray of the window.
+/// Holds 74 bytes per cell of the map, and in the window 136 per ray and 24 per cell of it.
 pub struct VisibilityWindow {
     rule: FixedLag,
     pairs: Box<dyn Mapper>,
     sensors: Sensors,
     reading: Reading,
+    /// `u0 = P(E_{j+1} | not E_j)` of an unseen world.
+    onset: f64,
     reader: Reader,
     target: Target,
-    chain: Chain,
+    chains: Chains,
     rng: ChaCha8Rng,
     /// Probability of every cell, of the drawn maps, and number of draws.
     drawn: Vec<f64>,
@@ -84,10 +88,11 @@ impl VisibilityWindow {
             rule,
             pairs: Box::new(FastVisibility::lateral(model, Lateral::default())),
             sensors: model.sensors.clone(),
-            reading: Reading { weight, leak, onset: model.prior.onset(spec.cell_m) },
+            reading: Reading { weight, leak },
+            onset: model.prior.onset(spec.cell_m),
             reader: Reader::default(),
             target: Target::new(spec, &field),
-            chain: Chain::free(cells),
+            chains: Chains::free(cells),
             rng: ChaCha8Rng::seed_from_u64(rule.seed),
             drawn: vec![model.prior.marginal(); cells],
             draws: vec![0; cells],
@@ -104,7 +109,7 @@ impl VisibilityWindow {
         let mut moment = Moment::default();
         for scan in scans {
             let sensor = &**self.sensors.of(scan);
-            self.reader.read(scan, self.target.spec(), sensor, &self.reading, &mut moment);
+            self.reader.read(scan, self.target.spec(), sensor, (&self.reading, self.onset), &mut moment);
         }
         if moment.rays() == 0 {
             return;
@@ -115,27 +120,29 @@ impl VisibilityWindow {
         self.taken = self.taken.wrapping_add(1);
         let first = self.target.rays.count();
         self.target.rays.add(moment);
-        self.chain.follow(&self.target.rays);
+        self.chains.follow(&self.target.rays);
         let seen = self.look(first);
-        seen.iter().for_each(|&cell| self.draw(cell as usize, true));
+        draw_all(self, &seen);
         seen.iter().for_each(|&cell| self.doubt(cell as usize));
-        for sweep in 0..self.rule.sweeps {
-            self.sweep(sweep >= WARM_UP);
-        }
-        self.target.rays.look(self.chain.nearest(), self.rule.scans, LOOKS);
         let mut doubtful = std::mem::take(&mut self.doubtful);
+        for _ in 0..self.rule.sweeps {
+            draw_all(self, &doubtful);
+        }
+        self.target.rays.look(self.chains.nearest(), self.rule.scans, LOOKS);
         doubtful.retain(|&cell| {
             let cell = cell as usize;
-            self.is_doubtful[cell] = is_in_doubt(self.drawn[cell]) && !self.target.rays.through(cell).is_empty();
+            self.is_doubtful[cell] = is_in_doubt(self.drawn[cell]) && self.target.rays.crossings(cell) > 0;
             self.is_doubtful[cell]
         });
+        // Neighbours are drawn after each other, whose rays are at hand.
+        doubtful.sort_unstable();
         self.doubtful = doubtful;
     }
 
     /// Lets the oldest scan go.
     fn condense(&mut self) {
         if let Some(moment) = self.target.rays.leave() {
-            self.chain.forget(moment.rays());
+            self.chains.forget(moment.rays());
             moment.gains().for_each(|(cell, gain)| self.target.condensed[cell] += f64::from(gain));
         }
     }
@@ -145,7 +152,8 @@ impl VisibilityWindow {
         let mut seen = Vec::new();
         for place in first..self.target.rays.count() {
             let cells = self.target.rays.cells(place);
-            let until = (self.chain.nearest()[place].second.saturating_add(BEHIND) as usize).min(cells.len());
+            let second = self.chains.nearest()[place].second.into_iter().max().unwrap_or_default();
+            let until = (second.saturating_add(BEHIND) as usize).min(cells.len());
             for &cell in &cells[..until] {
                 let is_due = cell.wrapping_add(self.taken).is_multiple_of(SETTLED) || self.draws[cell as usize] == 0;
                 if is_due && !self.is_doubtful[cell as usize] && self.seen[cell as usize] != self.taken {
@@ -157,40 +165,38 @@ impl VisibilityWindow {
         seen
     }
 
-    /// Draws every cell in doubt given all others, and tries to move those that differ from a neighbour.
-    fn sweep(&mut self, counts: bool) {
-        for number in 0..self.doubtful.len() {
-            self.draw(self.doubtful[number] as usize, counts);
-        }
-        for number in 0..self.doubtful.len() {
-            let cell = self.doubtful[number] as usize;
-            let (column, row) = self.target.spec().column_row(cell);
-            let direction = self.rng.random_range(0..4);
-            let Some(beside) = self.target.spec().neighbours_at(column, row)[direction] else { continue };
-            let other = beside.cell;
-            let pair = [cell, other].map(|cell| self.chain.is_occupied(cell));
-            if pair[0] != pair[1] {
-                let [on, off] = if pair[0] { [cell, other] } else { [other, cell] };
-                let gain = self.chain.swap_gain(&self.target, on, off);
-                if self.rng.random::<f64>() < libm::exp(gain.min(0.0)) {
-                    self.chain.flip(&self.target, on);
-                    self.chain.flip(&self.target, off);
-                }
+    /// Draws cells one after the other.
+    #[inline(always)]
+    fn draw_each(&mut self, cells: &[u32]) {
+        // The rays of several cells are looked up together, so that memory is waited for once.
+        let (mut crossings, mut ends) = (Vec::new(), [0; TOGETHER]);
+        for cells in cells.chunks(TOGETHER) {
+            crossings.clear();
+            for (cell, end) in cells.iter().zip(&mut ends) {
+                self.target.rays.gather(*cell as usize, &mut crossings);
+                *end = crossings.len();
+            }
+            let mut start = 0;
+            for (cell, end) in cells.iter().zip(ends) {
+                self.draw(*cell as usize, &crossings[start..end]);
+                start = end;
             }
         }
     }
 
-    /// Draws a cell given all others.
-    fn draw(&mut self, cell: usize, counts: bool) {
-        let p = probability(self.chain.log_odds(&self.target, cell));
-        if (self.rng.random::<f64>() < p) != self.chain.is_occupied(cell) {
-            self.chain.flip(&self.target, cell);
+    /// Draws a cell in every map given all others.
+    #[inline(always)]
+    fn draw(&mut self, cell: usize, crossings: &[Crossing]) {
+        let p = probabilities(&self.chains.log_odds(&self.target, cell, crossings));
+        let drawn: Lanes<f32> = self.rng.random();
+        let turned = maps(|l| drawn[l] < p[l]) ^ self.chains.occupied(cell);
+        if turned != 0 {
+            self.chains.flip(&self.target, cell, crossings, turned);
         }
-        if counts {
-            self.draws[cell] = self.draws[cell].saturating_add(1);
-            let share = 1.0 / f64::from(self.draws[cell]).min(self.rule.draws.max(1.0));
-            self.drawn[cell] += share * (p - self.drawn[cell]);
-        }
+        let p = f64::from(p.iter().sum::<f32>()) / LANES as f64;
+        self.draws[cell] = self.draws[cell].saturating_add(1);
+        let share = 1.0 / f64::from(self.draws[cell]).min(self.rule.draws.max(1.0));
+        self.drawn[cell] = bounded(self.drawn[cell] + share * (p - self.drawn[cell]));
     }
 
     fn doubt(&mut self, cell: usize) {
@@ -214,15 +220,18 @@ fn is_in_doubt(p: f64) -> bool {
     p > DOUBT && p < 1.0 - DOUBT
 }
 
-/// The probability of the given log odds, as [`crate::belief::probability::from_log_odds`], without the exponential where that makes no difference.
-fn probability(log_odds: f64) -> f64 {
-    if log_odds < -SURE {
-        EPSILON
-    } else if log_odds > SURE {
-        1.0 - EPSILON
-    } else {
-        bounded(1.0 / (1.0 + libm::exp(-log_odds)))
+in_lanes! {
+    /// Draws cells one after the other.
+    fn draw_all<'a>(window: &'a mut VisibilityWindow, cells: &'a [u32]) {
+        window.draw_each(cells);
     }
+}
+
+/// The probabilities of the given log odds.
+#[inline(always)]
+fn probabilities(log_odds: &Lanes<f32>) -> Lanes<f32> {
+    let less = each(|l| exp_minus(log_odds[l].abs().min(FAR)));
+    each(|l| if log_odds[l] < 0.0 { less[l] } else { 1.0 } / (1.0 + less[l]))
 }
 
 impl Fitted for FixedLag {
@@ -268,7 +277,7 @@ impl Mapper for VisibilityWindow {
             sensors: self.sensors.clone(),
             reader: self.reader.clone(),
             target: self.target.clone(),
-            chain: self.chain.clone(),
+            chains: self.chains.clone(),
             rng: self.rng.clone(),
             drawn: self.drawn.clone(),
             draws: self.draws.clone(),
@@ -285,7 +294,7 @@ impl Mapper for VisibilityWindow {
         let Work { cells, bytes } = self.pairs.work();
         let cells_of =
             self.drawn.held() + self.draws.held() + self.doubtful.held() + self.is_doubtful.held() + self.seen.held();
-        Work { cells, bytes: bytes + self.target.held() + self.chain.held() + cells_of + self.occupancy.held() }
+        Work { cells, bytes: bytes + self.target.held() + self.chains.held() + cells_of + self.occupancy.held() }
     }
 
     fn skipped(&self) -> u64 {

@@ -39,7 +39,7 @@ pub struct ScanSet {
     pub scans: Vec<Scan>,
     /// Range of every ray of every scan, m; of a ray without a reading or an echo, NaN.
     ranges_m: Vec<f64>,
-    /// Lower-left and upper-right corner of all poses and ends of ranges, m; none before the first pose.
+    /// Lower-left and upper-right corner of all poses and ends of ranges, or of the map that counts, m; none before the first pose.
     extent_m: Option<[[f64; 2]; 2]>,
     /// What took the scans, by number; one at least.
     sensors: Vec<Carrier>,
@@ -157,6 +157,13 @@ impl ScanSet {
     /// Number of rays, with a reading or without.
     pub fn rays(&self) -> usize {
         self.ranges_m.len()
+    }
+
+    /// What was read counts on this map alone, as it does for the mappers of a scene: a disparity of a false match can say any range.
+    pub fn on_map(&mut self, spec: &GridSpec) {
+        let [x, y] = spec.origin_m;
+        let far = [x + spec.width as f64 * spec.cell_m, y + spec.height as f64 * spec.cell_m];
+        self.extent_m = Some([spec.origin_m, far]);
     }
 
     /// The cells of side `cell_m` (m) that cover everything.

@@ -27,5 +27,6 @@ pub(super) fn load(path: &Path) -> Result<ScanSet, Failure> {
     scans.iter_mut().for_each(|scan| scan.sensor -= first);
     let mut set = ScanSet::of(all.into_iter().skip(first).collect());
     scans.iter().for_each(|scan| set.add(scan));
+    set.on_map(ground.truth.spec());
     Ok(set)
 }

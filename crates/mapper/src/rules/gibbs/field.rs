@@ -90,6 +90,7 @@ impl BlockField {
 }
 
 /// Calls `of` with every block that a cell is part of, by the block's centre, and the bits that the cell is in it.
+#[inline(always)]
 pub fn blocks(spec: &GridSpec, cell: usize, mut of: impl FnMut(usize, usize)) {
     let (column, row) = spec.column_row(cell);
     if column > 0 && row > 0 && column + 1 < spec.width && row + 1 < spec.height {

@@ -3,28 +3,10 @@
 use grid::DigitalLine;
 
 use crate::memory::Held;
-use crate::rules::gibbs::surface::{self, Course};
+use crate::ray::worth::{Explained, Reading, Worth};
 use crate::rules::readings::{Crossings, Readings};
 
-/// A likelihood below this share of the ray's largest counts as this: it keeps logarithms finite.
-const LEAST: f64 = 1e-12;
-
-/// Chance that a ray that has passed its first occupied cell passes the next one too.
-const GOES_ON: f64 = 0.7;
-
-/// What a reading says, beyond the likelihood of its sensor.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Reading {
-    /// Weight of its log likelihood, above 0.
-    pub(super) weight: f64,
-    /// Share of rays that pass the first occupied cell, 0 up to but not including 1.
-    pub(super) leak: f64,
-}
-
-/// The log likelihoods of all readings by the first occupied cell of their rays, times the weight of a reading.
-///
-/// A cell is occupied where a wall covers it in part, and rays pass it then, most of all those that graze the wall: with the chance `leak` the
-/// ray ends in one of the cells behind, in the next with the chance 0.3, in the one after that with 0.7 times 0.3, and so on, whatever stands there.
+/// The log likelihoods of all readings by the first occupied cell of their rays, times the weight of a reading, as [`Worth`] has them.
 ///
 /// Entries number the cells of all rays as in [`Readings::cells`].
 pub(super) struct Rays<'a> {
@@ -38,30 +20,16 @@ pub(super) struct Rays<'a> {
 
 impl<'a> Rays<'a> {
     /// Indexes the readings of a map of so many cells. O(entries).
-    pub(super) fn new(readings: &'a Readings, cells: usize, Reading { weight, leak }: Reading) -> Self {
+    pub(super) fn new(readings: &'a Readings, cells: usize, reading: Reading) -> Self {
         let mut log = Vec::with_capacity(readings.cells().len());
         let mut none = Vec::with_capacity(readings.rays());
-        let (mut line, mut met) = (DigitalLine::default(), Vec::new());
-        let spec = readings.spec();
+        let (mut line, mut worth, mut of_ray) = (DigitalLine::default(), Worth::default(), Vec::new());
         for ray in 0..readings.rays() {
+            let direction = readings.trace(ray, &mut line);
             let likelihood = &readings.likelihood()[readings.span(ray)];
-            let most = likelihood.iter().copied().fold(readings.none(ray), f64::max);
-            // A reading that no map explains says nothing.
-            let of = |l: f64| if most > 0.0 { weight * libm::log((l / most).max(LEAST)) } else { 0.0 };
-            // What a ray ends in that passes its first occupied cell: most likely one of the next.
-            let mut after = readings.none(ray);
-            let begin = log.len();
-            let column = |cell: usize| spec.column_row(readings.cells()[readings.span(ray)][cell] as usize).0;
-            let (ranges_m, direction) = readings.trace(ray, &mut line);
-            let course = Course { ranges_m, direction, cell_m: spec.cell_m };
-            let is_beside = |cell: usize| column(cell) != column(cell - 1);
-            surface::likelihoods(&course, is_beside, likelihood, readings.none(ray), &mut met);
-            for (&l, &m) in likelihood.iter().zip(&met).rev() {
-                log.push(of((1.0 - leak) * m + leak * after));
-                after = GOES_ON * after + (1.0 - GOES_ON) * l;
-            }
-            log[begin..].reverse();
-            none.push(of(readings.none(ray)));
+            let explained = Explained { line: &line, direction, likelihood, none: readings.none(ray) };
+            none.push(worth.of(&reading, readings.spec(), &explained, 0.0, &mut of_ray));
+            log.extend(&of_ray);
         }
         Self { readings, log, none, crossings: readings.crossings(cells) }
     }

@@ -7,11 +7,11 @@ use crate::fit::{Setting, numbers};
 pub struct FixedLag {
     /// Number of scans that are solved together, at least 1.
     pub scans: usize,
-    /// Sweeps over the cells in doubt after every scan.
+    /// Sweeps over the cells in doubt of all drawn maps after every scan.
     pub sweeps: usize,
-    /// Share of the drawn map in the mean, 0 to 1; the rest is that of the pairs.
+    /// Share of the drawn maps in the mean, 0 to 1; the rest is that of the pairs.
     pub share: f64,
-    /// A cell's probability is the mean over about so many draws, at least 1.
+    /// A cell's probability is the mean over about so many draws of all maps, at least 1.
     pub draws: f64,
     /// Weight of a reading's log likelihood, above 0, as [`crate::Sampling::weight`].
     pub weight: f64,
@@ -28,14 +28,14 @@ pub struct FixedLag {
 impl FixedLag {
     /// Chosen on tuning worlds: `cargo run -p experiments --features fitting --example window_parameters`.
     pub const TUNED: Self = Self {
-        scans: 20,
-        sweeps: 4,
-        share: 0.5,
-        draws: 64.0,
+        scans: 12,
+        sweeps: 1,
+        share: 0.4,
+        draws: 12.0,
         weight: 0.5,
-        leak: 0.1,
+        leak: 0.0,
         strength: 0.5,
-        shift: -0.2,
+        shift: 0.0,
         seed: 1,
     };
 }

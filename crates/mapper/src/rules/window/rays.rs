@@ -3,12 +3,14 @@
 use std::collections::VecDeque;
 use std::ops::Range;
 
+use sensor::lanes::{LANES, Lanes, each};
+
 use crate::memory::Held;
 
 /// A ray through a cell.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Crossing {
-    /// Number of the ray, which wraps after 2^32; see [`Rays::place`].
+    /// Number of the ray, which wraps after 2^32, or its place where that is said; see [`Rays::place`].
     pub(super) ray: u32,
     /// The cell is the so many-th of the ray, from 0.
     pub(super) step: u32,
@@ -26,14 +28,14 @@ pub(super) struct Moment {
     none: Vec<f32>,
     /// End of every ray in `cells`.
     ends: Vec<u32>,
-    /// What each entry's flip from free to occupied has gained, nats, summed over the looks at it.
+    /// What each entry's flip from free to occupied has gained, nats, summed over maps and looks.
     gained: Vec<f32>,
     looks: u32,
 }
 
 impl Moment {
     /// Adds a ray.
-    pub(super) fn push(&mut self, cells: &[usize], log: &[f32], none: f32) {
+    pub(super) fn push(&mut self, cells: &[usize], log: impl ExactSizeIterator<Item = f32>, none: f32) {
         debug_assert_eq!(cells.len(), log.len(), "one value per cell");
         // GridSpec::MAX_CELLS fits a u32.
         self.cells.extend(cells.iter().map(|&cell| cell as u32));
@@ -53,38 +55,49 @@ impl Moment {
         start..self.ends[ray] as usize
     }
 
-    /// Looks at what flips would gain in a map of which the nearest occupied cells of every ray are known.
+    /// Looks at what flips would gain in maps of which the nearest occupied cells of every ray are known.
+    #[inline(always)]
     fn look(&mut self, nearest: &[Nearest]) {
         self.looks += 1;
         for (ray, nearest) in nearest.iter().enumerate() {
             let span = self.span(ray);
-            let first = span.start + nearest.first as usize;
-            let (log, gained) = (&self.log[span.start..first], &mut self.gained[span.start..]);
-            gained.iter_mut().zip(log).for_each(|(gained, log)| *gained += log - nearest.value);
-            if first < span.end {
-                self.gained[first] += nearest.value - nearest.without;
+            let farthest = nearest.first.iter().copied().max().unwrap_or_default() as usize;
+            let seen = span.start..span.end.min(span.start + farthest + 1);
+            for (step, (gained, &log)) in self.gained[seen.clone()].iter_mut().zip(&self.log[seen]).enumerate() {
+                *gained += nearest.gain(step as u32, log).iter().sum::<f32>();
             }
         }
     }
 
-    /// Cells with the mean over looks of what their flips from free to occupied would gain, nats.
+    /// Cells with the mean over looks and maps of what their flips from free to occupied would gain, nats.
     pub(super) fn gains(&self) -> impl Iterator<Item = (usize, f32)> {
-        let share = 1.0 / self.looks.max(1) as f32;
+        let share = 1.0 / (self.looks.max(1) * LANES as u32) as f32;
         self.cells.iter().zip(&self.gained).map(move |(&cell, gained)| (cell as usize, gained * share))
     }
 }
 
-/// The first two occupied cells of a ray in some map.
+/// The first two occupied cells of a ray in every map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Nearest {
     /// The first; the number of the ray's cells if there is none.
-    pub(super) first: u32,
+    pub(super) first: Lanes<u32>,
     /// The second, in the same way.
-    pub(super) second: u32,
+    pub(super) second: Lanes<u32>,
     /// What the ray is worth, nats ...
-    pub(super) value: f32,
+    pub(super) value: Lanes<f32>,
     /// ... and without the first of them.
-    pub(super) without: f32,
+    pub(super) without: Lanes<f32>,
+}
+
+impl Nearest {
+    /// How much more the ray is worth where one of its cells is occupied than where it is free, nats, given what it is worth if the cell is
+    /// the first occupied one.
+    #[inline(always)]
+    pub(super) fn gain(&self, step: u32, log: f32) -> Lanes<f32> {
+        let Self { first, value, without, .. } = self;
+        let fills = each(|l| if step < first[l] { log - value[l] } else { 0.0 });
+        each(|l| if step == first[l] { value[l] - without[l] } else { fills[l] })
+    }
 }
 
 /// The rays of the last scans.
@@ -185,9 +198,18 @@ impl Rays {
         if step < span.len() { moment.log[span.start + step] } else { moment.none[ray as usize] }
     }
 
-    /// Rays through a cell, oldest first.
-    pub(super) fn through(&self, cell: usize) -> &VecDeque<Crossing> {
-        &self.through[cell]
+    /// Number of rays through a cell.
+    pub(super) fn crossings(&self, cell: usize) -> usize {
+        self.through[cell].len()
+    }
+
+    /// Appends the rays through a cell, oldest first, by their places.
+    #[inline(always)]
+    pub(super) fn gather(&self, cell: usize, crossings: &mut Vec<Crossing>) {
+        let placed = |crossing: &Crossing| Crossing { ray: self.place(crossing.ray) as u32, ..*crossing };
+        let (older, newer) = self.through[cell].as_slices();
+        crossings.extend(older.iter().map(placed));
+        crossings.extend(newer.iter().map(placed));
     }
 }
 

@@ -1,13 +1,15 @@
 use std::sync::Arc;
 
-use grid::{DigitalLine, GridSpec};
+use grid::GridSpec;
 use proptest::prelude::*;
 use sensor::{Laser, Pose, SensorModel, Stereo};
 
 use super::*;
-use crate::ray::past_the_map::{self, PastTheMap};
+use crate::ray::likelihood::RayLikelihood;
+use crate::ray::worth::{Explained, Worth};
 use crate::rules::gibbs::field::{self, BlockField};
-use crate::rules::window::rays::{Nearest, Rays};
+use crate::rules::window::chains::Maps;
+use crate::rules::window::rays::Rays;
 
 /// Cells of a ray, nearest first, with what it is worth by the first occupied one, and by none.
 type Ray = (Vec<usize>, Vec<f32>, f32);
@@ -24,7 +26,7 @@ fn moments() -> impl Strategy<Value = Vec<Vec<Ray>>> {
 
 fn moment(rays: &[Ray]) -> Moment {
     let mut moment = Moment::default();
-    rays.iter().for_each(|(cells, log, none)| moment.push(cells, log, *none));
+    rays.iter().for_each(|(cells, log, none)| moment.push(cells, log.iter().copied(), *none));
     moment
 }
 
@@ -43,65 +45,83 @@ fn log_posterior(map: &[bool], rays: &[&Ray], condensed: &[f64]) -> f64 {
     blocks + rays.iter().map(worth).sum::<f64>() + told
 }
 
-fn flipped(map: &[bool], cells: &[usize]) -> Vec<bool> {
+fn flipped(map: &[bool], cell: usize) -> Vec<bool> {
     let mut map = map.to_vec();
-    cells.iter().for_each(|&cell| map[cell] ^= true);
+    map[cell] ^= true;
     map
 }
 
+/// A map from the bits of all.
+fn map_of(maps: &[Maps], map: usize) -> Vec<bool> {
+    maps.iter().map(|maps| maps >> map & 1 == 1).collect()
+}
+
+/// The rays of a target through a cell.
+fn through(target: &Target, cell: usize) -> Vec<Crossing> {
+    let mut crossings = Vec::new();
+    target.rays.gather(cell, &mut crossings);
+    crossings
+}
+
+/// Maps in which cells are occupied, by bits, and the rays of a target followed.
+fn chains(target: &Target, occupied: &[Maps]) -> Chains {
+    let mut chains = Chains::free(GRID.cells());
+    let unseen = Target::new(GRID, &field());
+    occupied.iter().enumerate().for_each(|(cell, &maps)| chains.flip(&unseen, cell, &[], maps));
+    chains.follow(&target.rays);
+    chains
+}
+
 proptest! {
-    /// Against the log posterior counted anew, after scans have come and gone and cells have been flipped between them.
+    /// Every map against the log posterior counted anew, after scans have come and gone and cells have been flipped between them.
     #[test]
     fn changes_are_worth_what_the_posterior_says(
-        moments in moments(), flips in prop::collection::vec(0..GRID.cells(), 0..30), condensed in prop::collection::vec(-3.0f64..3.0, GRID.cells()),
-        scans in 1usize..4, begins: u32,
+        moments in moments(), flips in prop::collection::vec((0..GRID.cells(), any::<Maps>()), 0..30),
+        condensed in prop::collection::vec(-3.0f64..3.0, GRID.cells()), scans in 1usize..4, begins: u32,
     ) {
         let mut target = Target::new(GRID, &field());
         target.rays = Rays::numbered_from(GRID.cells(), begins);
         target.condensed.clone_from(&condensed);
-        let mut chain = Chain::free(GRID.cells());
-        let mut map = vec![false; GRID.cells()];
+        let mut chains = Chains::free(GRID.cells());
+        let mut occupied = vec![0; GRID.cells()];
         for (number, rays) in moments.iter().enumerate() {
             if target.rays.moments() == scans {
                 let gone = target.rays.leave().expect("one is there").rays();
-                chain.forget(gone);
+                chains.forget(gone);
             }
             target.rays.add(moment(rays));
-            chain.follow(&target.rays);
-            for &cell in flips.iter().skip(number).step_by(moments.len()) {
-                chain.flip(&target, cell);
-                map[cell] ^= true;
+            chains.follow(&target.rays);
+            for &(cell, which) in flips.iter().skip(number).step_by(moments.len()) {
+                chains.flip(&target, cell, &through(&target, cell), which);
+                occupied[cell] ^= which;
             }
         }
         let kept: Vec<&Ray> = moments[moments.len().saturating_sub(scans)..].iter().flatten().collect();
         prop_assert_eq!(target.rays.count(), kept.len());
-        let now = log_posterior(&map, &kept, &condensed);
-        for cell in 0..GRID.cells() {
-            prop_assert_eq!(chain.is_occupied(cell), map[cell]);
-            let gain = log_posterior(&flipped(&map, &[cell]), &kept, &condensed) - now;
-            let found = chain.log_odds(&target, cell);
-            prop_assert!((found - if map[cell] { -gain } else { gain }).abs() < 1e-4, "cell {cell}: {found}, {gain}");
-            for other in (0..GRID.cells()).filter(|&other| map[cell] && !map[other]) {
-                let gain = log_posterior(&flipped(&map, &[cell, other]), &kept, &condensed) - now;
-                let found = chain.swap_gain(&target, cell, other);
-                prop_assert!((found - gain).abs() < 1e-4, "{cell} for {other}: {found}, {gain}");
+        prop_assert!((0..GRID.cells()).all(|cell| chains.occupied(cell) == occupied[cell]));
+        for l in 0..LANES {
+            let map = map_of(&occupied, l);
+            let now = log_posterior(&map, &kept, &condensed);
+            for cell in 0..GRID.cells() {
+                let gain = log_posterior(&flipped(&map, cell), &kept, &condensed) - now;
+                let found = f64::from(chains.log_odds(&target, cell, &through(&target, cell))[l]);
+                prop_assert!((found - if map[cell] { -gain } else { gain }).abs() < 1e-4, "cell {cell}: {found}, {gain}");
             }
         }
     }
 
-    /// What a scan is condensed to is what the flip of each cell gains on its rays, in the mean over the maps at which it was looked.
+    /// What a scan is condensed to is what the flip of each cell gains on its rays, in the mean over all maps at the times at which it was
+    /// looked.
     #[test]
     fn what_leaves_says_what_flips_gained(
-        rays in moments(), maps in prop::collection::vec(prop::collection::vec(any::<bool>(), GRID.cells()), 1..4),
+        rays in moments(), looks in prop::collection::vec(prop::collection::vec(any::<Maps>(), GRID.cells()), 1..4),
     ) {
         let rays = &rays[0];
         let mut target = Target::new(GRID, &field());
         target.rays.add(moment(rays));
-        for map in &maps {
-            let mut chain = Chain::free(GRID.cells());
-            (0..GRID.cells()).filter(|&cell| map[cell]).for_each(|cell| chain.flip(&Target::new(GRID, &field()), cell));
-            chain.follow(&target.rays);
-            target.rays.look(chain.nearest(), 1, 1);
+        for occupied in &looks {
+            let chains = chains(&target, occupied);
+            target.rays.look(chains.nearest(), 1, 1);
         }
         let mut found = vec![0.0; GRID.cells()];
         target.rays.leave().expect("one").gains().for_each(|(cell, gain)| found[cell] += f64::from(gain));
@@ -109,6 +129,7 @@ proptest! {
             let worth = |(cells, log, none): &Ray| cells.iter().position(|&cell| map[cell]).map_or(*none, |first| log[first]);
             rays.iter().map(|ray| f64::from(worth(ray))).sum::<f64>()
         };
+        let maps: Vec<Vec<bool>> = looks.iter().flat_map(|occupied| (0..LANES).map(|l| map_of(occupied, l))).collect();
         for (cell, found) in found.iter().enumerate() {
             let gain = |map: &Vec<bool>| {
                 let with = |state: bool| {
@@ -123,7 +144,7 @@ proptest! {
         }
     }
 
-    /// Against the kernel in double precision, chord by chord.
+    /// Against the whole ray in double precision, up to the border. Cells that are not kept are worth what none is.
     #[test]
     fn a_ray_is_worth_what_the_kernel_says(
         reading in 0.5f64..50.0, x_m in 0.1f64..1.9, y_m in 0.1f64..1.4, theta_rad in 0.0f64..std::f64::consts::TAU, others in 0usize..9,
@@ -131,41 +152,48 @@ proptest! {
     ) {
         let sensor: Arc<dyn SensorModel> = if stereo { Arc::new(Stereo::default()) } else { Arc::new(Laser::default()) };
         let reading = if stereo { reading } else { 0.05 * reading };
-        let rule = Reading { weight, leak, onset: 0.02 };
+        let (rule, onset) = (Reading { weight, leak }, 0.02);
         let bearings_rad: Vec<f64> = (0..=others).map(|k| 0.1 * k as f64).collect();
         let scan = Scan {
             sensor: 0, time_s: 0.0, pose: Pose { x_m, y_m, theta_rad }, readings: vec![Some(reading); bearings_rad.len()], bearings_rad,
         };
         let mut moment = Moment::default();
-        Reader::default().read(&scan, &GRID, &*sensor, &rule, &mut moment);
+        Reader::default().read(&scan, &GRID, &*sensor, (&rule, onset), &mut moment);
         let mut rays = Rays::new(GRID.cells());
         rays.add(moment);
         prop_assert_eq!(rays.count(), others + 1);
         for (place, ray) in scan.rays().enumerate() {
-            let mut line = DigitalLine::default();
-            line.trace(&GRID, ray.origin_m, ray.direction, f64::INFINITY);
-            let mut own = vec![0.0; line.len()];
-            sensor.likelihood(reading, ray.bearing_rad, line.ranges(), &mut own);
-            let past = PastTheMap::after(&line, ray.direction, GRID.cell_m, rule.onset);
-            own.push(past_the_map::likelihood(&*sensor, reading, ray.bearing_rad, &past));
-            let most = own.iter().copied().fold(0.0, f64::max);
-            for step in 0..=line.len() {
-                // Passed with `leak`, and then each next cell with 0.7; what passes all goes past the map.
-                let mut value = if step == line.len() { own[step] } else { (1.0 - leak) * own[step] };
-                let mut passes = leak;
-                for likelihood in &own[(step + 1).min(own.len())..line.len().max((step + 1).min(own.len()))] {
-                    value += 0.3 * passes * likelihood;
-                    passes *= 0.7;
-                }
-                if step < line.len() {
-                    value += passes * own[line.len()];
-                }
-                let (expected, found) = (weight * (value / most).ln(), f64::from(rays.value(place, step)));
+            let mut whole = RayLikelihood::default();
+            prop_assert!(whole.take(&ray, &GRID, &*sensor, onset));
+            let RayLikelihood { line, likelihood, none } = &whole;
+            let explained = Explained { line, direction: ray.direction, likelihood, none: *none };
+            let mut expected = Vec::new();
+            let none = Worth::default().of(&rule, &GRID, &explained, 0.0, &mut expected);
+            let cells = rays.cells(place);
+            prop_assert!(line.cells().iter().map(|&cell| cell as u32).take(cells.len()).eq(cells.iter().copied()));
+            for (step, expected) in expected.iter().chain([&none]).enumerate() {
+                let found = f64::from(rays.value(place, step.min(cells.len())));
                 prop_assert!((found - expected).abs() < 2e-3 * expected.abs().max(1.0), "ray {place}, step {step}: {found}, {expected}");
             }
-            prop_assert!(rays.cells(place).iter().map(|&cell| cell as usize).eq(line.cells().iter().copied()));
         }
     }
+}
+
+#[test]
+fn a_ray_is_kept_no_farther_than_its_reading_tells_cells_apart() {
+    let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: 200, height: 1 };
+    let scan = Scan {
+        sensor: 0,
+        time_s: 0.0,
+        pose: Pose { x_m: 0.025, y_m: 0.025, theta_rad: 0.0 },
+        bearings_rad: vec![0.0],
+        readings: vec![Some(4.0)],
+    };
+    let (mut moment, rule) = (Moment::default(), Reading { weight: 0.5, leak: 0.1 });
+    Reader::default().read(&scan, &grid, &Laser::default(), (&rule, 0.02), &mut moment);
+    let mut rays = Rays::new(grid.cells());
+    rays.add(moment);
+    assert!((82..100).contains(&rays.cells(0).len()), "{} cells", rays.cells(0).len());
 }
 
 /// All 2^12 maps and rays that cross: with every cell in doubt, means of draws are the marginals of the posterior.
@@ -185,10 +213,11 @@ fn draws_are_of_the_posterior() {
     );
     window.target = Target::new(GRID, &field());
     window.target.rays.add(moment(&rays));
-    window.chain.follow(&window.target.rays);
-    window.doubtful = (0..GRID.cells() as u32).collect();
-    (0..200).for_each(|_| window.sweep(false));
-    (0..30_000).for_each(|_| window.sweep(true));
+    window.chains.follow(&window.target.rays);
+    let cells: Vec<u32> = (0..GRID.cells() as u32).collect();
+    (0..200).for_each(|_| draw_all(&mut window, &cells));
+    window.draws.fill(0);
+    (0..10_000).for_each(|_| draw_all(&mut window, &cells));
     let kept: Vec<&Ray> = rays.iter().collect();
     let (mut total, mut occupied) = (0.0, vec![0.0; GRID.cells()]);
     for states in 0..1usize << GRID.cells() {
@@ -234,7 +263,8 @@ fn the_order_of_rays_within_a_scan_does_not_matter() {
         other.integrate(&Scan { bearings_rad, readings, ..scan });
     }
     assert_eq!(one.occupancy(), other.occupancy());
-    assert!(one.occupancy().values().iter().any(|p| *p > 0.5), "something was found");
+    let most = one.occupancy().values().iter().copied().fold(0.0, f64::max);
+    assert!(most > 2.0 * model().prior.marginal(), "something was found: {most}");
 }
 
 #[test]
@@ -257,19 +287,16 @@ fn no_more_scans_are_held_than_the_window_has() {
     for (number, scan) in drive().iter().enumerate() {
         window.integrate(scan);
         assert_eq!(window.target.rays.moments(), 3.min(number + 1));
-        assert_eq!(window.chain.nearest().len(), window.target.rays.count());
-        let through: usize = (0..model().grid.cells()).map(|cell| window.target.rays.through(cell).len()).sum();
+        assert_eq!(window.chains.nearest().len(), window.target.rays.count());
+        let through: usize = (0..model().grid.cells()).map(|cell| window.target.rays.crossings(cell)).sum();
         let cells: usize = (0..window.target.rays.count()).map(|place| window.target.rays.cells(place).len()).sum();
         assert_eq!(through, cells);
         // A ray that has come to the window is followed as one that has always been there.
-        let mut anew = Chain::free(model().grid.cells());
+        let mut anew = Chains::free(model().grid.cells());
         let unseen = Target::new(model().grid, &field());
-        (0..model().grid.cells())
-            .filter(|&cell| window.chain.is_occupied(cell))
-            .for_each(|cell| anew.flip(&unseen, cell));
+        (0..model().grid.cells()).for_each(|cell| anew.flip(&unseen, cell, &[], window.chains.occupied(cell)));
         anew.follow(&window.target.rays);
-        let both: Vec<(&Nearest, &Nearest)> = anew.nearest().iter().zip(window.chain.nearest()).collect();
-        assert!(both.iter().all(|(anew, kept)| anew == kept));
+        assert!(anew.nearest() == window.chains.nearest());
     }
     assert!(
         window.target.condensed.iter().any(|told| *told > 0.5)

@@ -5,8 +5,9 @@ use sensor::{Pose, Scan, Stereo};
 
 use super::*;
 use crate::model::Model;
+use crate::ray::worth::Reading;
 use crate::rules::gibbs::field::{BlockField, PATTERNS};
-use crate::rules::gibbs::rays::{Rays, Reading};
+use crate::rules::gibbs::rays::Rays;
 use crate::rules::readings::Readings;
 
 /// Rays from everywhere over a map.

@@ -11,38 +11,57 @@ pub(super) struct Course<'a> {
     pub(super) cell_m: f64,
 }
 
-/// `P(o | first occupied cell)` of every cell of a ray, per unit of the reading, from `P(o | F_k)`, that of a surface somewhere on the chord of the
-/// cell, and that of a ray which hits nothing. `is_beside` says of a cell but the first whether the ray enters it from the column beside, else it does
-/// from a row.
-///
-/// A cell is occupied where an obstacle covers any part of it: the surface lies up to one side of a cell behind the face through which the ray
-/// enters, at a depth of which nothing is known, and is taken to be parallel to it. A ray with direction `d` is on its way through this depth for up to
-/// `cell_m / |n d|` metres, `n` the normal of the face; the likelihood is the mean over these. Head on that is about one cell; a ray that grazes a wall
-/// passes many cells of which the wall covers a part. Nothing is known of the face of the sensor's own cell, whose chord counts.
-pub(super) fn likelihoods(
-    course: &Course,
-    is_beside: impl Fn(usize) -> bool,
-    likelihood: &[f64],
-    none: f64,
-    met: &mut Vec<f64>,
-) {
-    let &Course { ranges_m, direction, cell_m } = course;
-    // Integral of the likelihood along the ray, up to where each cell is entered.
-    let mut sums = Vec::with_capacity(ranges_m.len());
-    sums.push(0.0);
-    for (l, chord) in likelihood.iter().zip(ranges_m.windows(2)) {
-        sums.push(sums[sums.len() - 1] + l * (chord[1] - chord[0]));
-    }
-    let upto = |from: usize, range_m: f64| {
-        let cell = from + ranges_m[from + 1..].partition_point(|end_m| *end_m <= range_m);
-        sums[cell] + (range_m - ranges_m[cell]) * likelihood.get(cell).copied().unwrap_or(none)
-    };
-    met.clear();
-    met.push(likelihood[0]);
-    for cell in 1..likelihood.len() {
-        let slope = direction[usize::from(!is_beside(cell))].abs();
-        let depth_m = cell_m / slope;
-        met.push((upto(cell, ranges_m[cell] + depth_m) - sums[cell]) / depth_m);
+/// Where rays meet surfaces. A buffer to fill again and again.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Surface {
+    /// Integral of the likelihood along the ray, up to where each cell is entered.
+    sums: Vec<f64>,
+}
+
+impl Surface {
+    /// `P(o | first occupied cell)` of every cell of a ray, per unit of the reading, from `P(o | F_k)`, that of a surface somewhere on the
+    /// chord of the cell, and that of a ray which hits nothing. `is_beside` says of a cell but the first whether the ray enters it from the
+    /// column beside, else it does from a row. O(cells).
+    ///
+    /// A cell is occupied where an obstacle covers any part of it: the surface lies up to one side of a cell behind the face through which
+    /// the ray enters, at a depth of which nothing is known, and is taken to be parallel to it. A ray with direction `d` is on its way through
+    /// this depth for up to `cell_m / |n d|` metres, `n` the normal of the face; the likelihood is the mean over these. Head on that is about
+    /// one cell; a ray that grazes a wall passes many cells of which the wall covers a part. Nothing is known of the face of the sensor's own
+    /// cell, whose chord counts.
+    pub(super) fn likelihoods(
+        &mut self,
+        course: &Course,
+        is_beside: impl Fn(usize) -> bool,
+        likelihood: &[f64],
+        none: f64,
+        met: &mut Vec<f64>,
+    ) {
+        let &Course { ranges_m, direction, cell_m } = course;
+        let sums = &mut self.sums;
+        sums.clear();
+        let mut sum = 0.0;
+        sums.push(sum);
+        for (l, chord) in likelihood.iter().zip(ranges_m.windows(2)) {
+            sum += l * (chord[1] - chord[0]);
+            sums.push(sum);
+        }
+        let depth_m = direction.map(|slope| cell_m / slope.abs());
+        // The cell in which the depth behind faces of each kind ended last: it never falls from one face to the next.
+        let mut reached = [0; 2];
+        met.clear();
+        met.push(likelihood[0]);
+        for cell in 1..likelihood.len() {
+            let axis = usize::from(!is_beside(cell));
+            let until_m = ranges_m[cell] + depth_m[axis];
+            let end = &mut reached[axis];
+            *end = cell.max(*end);
+            while *end < likelihood.len() && ranges_m[*end + 1] <= until_m {
+                *end += 1;
+            }
+            let beyond = likelihood.get(*end).copied().unwrap_or(none);
+            let upto = sums[*end] + (until_m - ranges_m[*end]) * beyond;
+            met.push((upto - sums[cell]) / depth_m[axis]);
+        }
     }
 }
 
@@ -62,7 +81,7 @@ mod tests {
         let column = |cell: usize| SPEC.column_row(line.cells()[cell]).0;
         let course = Course { ranges_m: line.ranges(), direction, cell_m: SPEC.cell_m };
         let mut met = vec![9.9; 3];
-        likelihoods(&course, |cell| column(cell) != column(cell - 1), &likelihood, none, &mut met);
+        Surface::default().likelihoods(&course, |cell| column(cell) != column(cell - 1), &likelihood, none, &mut met);
         (line, direction, likelihood, met)
     }
 
