@@ -409,7 +409,7 @@ fn a_scene_is_driven_through_with_all_of_its_sensors() {
 #[test]
 fn what_a_scene_reads_counts_on_its_map_alone() {
     let found = json(
-        &TempDir::new().expect("temporary folder").path(),
+        TempDir::new().expect("temporary folder").path(),
         &["--scans", "room", "--grid", "0.2", "--repeats", "1", "--mappers", "log-odds-octomap", "--format", "json"],
     );
     // 10 m by 8 m, and a metre around them.

@@ -40,7 +40,7 @@ const DOUBT: f64 = 0.01;
 /// The others that a scan's rays may see are drawn after one scan in so many.
 const SETTLED: u32 = 3;
 
-/// Cells behind the second occupied one of a ray that a scan's rays are taken to see.
+/// Cells behind the second occupied one of a ray, in the map in which it lies farthest, that a scan's rays are taken to see.
 const BEHIND: u32 = 3;
 
 /// Gains on rays that are about to leave are looked at after one scan in so many.
