@@ -134,7 +134,7 @@ impl Chains {
         let prior = target.prior_log_odds(&self.patterns, cell);
         let mut sum = each(|l| condensed + prior[l]);
         for crossing in crossings {
-            let gain = self.nearest[crossing.ray as usize].gain(crossing.step, crossing.log);
+            let gain = self.nearest[crossing.place as usize].gain(crossing.step, crossing.log);
             sum = each(|l| sum[l] + gain[l]);
         }
         sum
@@ -149,7 +149,7 @@ impl Chains {
         let fills = each(|l| has(on, l));
         let rays = &target.rays;
         for crossing in crossings {
-            let (place, step) = (crossing.ray as usize, crossing.step);
+            let (place, step) = (crossing.place as usize, crossing.step);
             let Nearest { first, second, value, without } = self.nearest[place];
             let nearer = each(|l| fills[l] & (step < first[l]));
             let between = each(|l| fills[l] & (step > first[l]) & (step < second[l]));

@@ -7,11 +7,21 @@ use sensor::lanes::{LANES, Lanes, each};
 
 use crate::memory::Held;
 
-/// A ray through a cell.
+/// A ray through a cell, as long as the window moves on.
+#[derive(Debug, Clone, Copy)]
+struct Numbered {
+    /// Number of the ray, which wraps after 2^32; see [`Rays::place`].
+    ray: u32,
+    /// As those of a [`Crossing`].
+    step: u32,
+    log: f32,
+}
+
+/// A ray through a cell, as long as the window stays as it is.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Crossing {
-    /// Number of the ray, which wraps after 2^32, or its place where that is said; see [`Rays::place`].
-    pub(super) ray: u32,
+    /// Place of the ray among those of the window.
+    pub(super) place: u32,
     /// The cell is the so many-th of the ray, from 0.
     pub(super) step: u32,
     /// What the ray is worth if the cell is its first occupied one, nats.
@@ -108,7 +118,7 @@ pub(super) struct Rays {
     index: VecDeque<[u32; 2]>,
     /// Number of the first ray and of the first moment.
     begins: [u32; 2],
-    through: Vec<VecDeque<Crossing>>,
+    through: Vec<VecDeque<Numbered>>,
 }
 
 impl Rays {
@@ -134,12 +144,12 @@ impl Rays {
     }
 
     /// Place of a ray among those of the window, by its number.
-    pub(super) fn place(&self, ray: u32) -> usize {
-        ray.wrapping_sub(self.begins[0]) as usize
+    fn place(&self, ray: u32) -> u32 {
+        ray.wrapping_sub(self.begins[0])
     }
 
     /// Number of a ray, by its place.
-    pub(super) fn number(&self, place: usize) -> u32 {
+    fn number(&self, place: usize) -> u32 {
         self.begins[0].wrapping_add(place as u32)
     }
 
@@ -149,7 +159,7 @@ impl Rays {
         for ray in 0..moment.rays() {
             let id = self.number(self.count());
             for (step, entry) in moment.span(ray).enumerate() {
-                let crossing = Crossing { ray: id, step: step as u32, log: moment.log[entry] };
+                let crossing = Numbered { ray: id, step: step as u32, log: moment.log[entry] };
                 self.through[moment.cells[entry] as usize].push_back(crossing);
             }
             self.index.push_back([number, ray as u32]);
@@ -206,7 +216,7 @@ impl Rays {
     /// Appends the rays through a cell, oldest first, by their places.
     #[inline(always)]
     pub(super) fn gather(&self, cell: usize, crossings: &mut Vec<Crossing>) {
-        let placed = |crossing: &Crossing| Crossing { ray: self.place(crossing.ray) as u32, ..*crossing };
+        let placed = |&Numbered { ray, step, log }: &Numbered| Crossing { place: self.place(ray), step, log };
         let (older, newer) = self.through[cell].as_slices();
         crossings.extend(older.iter().map(placed));
         crossings.extend(newer.iter().map(placed));
@@ -221,7 +231,7 @@ impl Held for Moment {
 
 impl Held for Rays {
     fn held(&self) -> usize {
-        let through: usize = self.through.iter().map(|rays| rays.capacity() * size_of::<Crossing>()).sum();
+        let through: usize = self.through.iter().map(|rays| rays.capacity() * size_of::<Numbered>()).sum();
         let index = self.index.capacity() * size_of::<[u32; 2]>();
         self.moments.iter().map(Held::held).sum::<usize>() + index + through + self.through.held()
     }
