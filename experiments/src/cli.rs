@@ -142,6 +142,7 @@ pub fn main() -> ExitCode {
         Command::Slam(options) => options.given = given,
         Command::Features(options) => options.given = given,
         Command::Calibrate(options) => options.given = given,
+        Command::Speed(options) => options.given = given,
         _ => {}
     }
     let start = Instant::now();

@@ -33,6 +33,7 @@ pub mod source;
 pub mod suites;
 pub mod suspects;
 pub mod track;
+pub mod usual_range;
 pub mod weighing;
 pub mod witness;
 pub mod yard;

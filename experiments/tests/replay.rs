@@ -205,10 +205,14 @@ fn the_readings_of_a_camera_prefer_the_map_that_is_closest_to_the_truth() {
 #[test]
 fn the_same_bytes_with_any_number_of_threads_and_maps_that_others_read() {
     let (folder, _, _) = with_log(&room());
-    for (threads, out) in [("1", "a"), ("2", "b")] {
-        let arguments = ["room.log.gz", "--threads", threads, "--out", out, "--window", "0,20"];
-        checked(0, &arguments, &replay(folder.path(), &arguments));
-    }
+    let told = |out: &str, options: &[&str]| {
+        let arguments = [&["room.log.gz", "--out", out, "--window", "0,20"], options].concat();
+        checked(0, &arguments, &replay(folder.path(), &arguments)).1
+    };
+    assert!(told("a", &["--threads", "1"]).contains(" mappers at once"));
+    // Nor does it matter whether mappers take turns.
+    let timed = told("b", &["--threads", "2", "--timing"]);
+    assert!(timed.contains("visibility: 18 scans mapped in ") && timed.contains(" mappers in turns"), "{timed}");
     let files = |name: &str| {
         let entries = fs::read_dir(folder.path().join(name)).expect("written");
         let mut files: Vec<_> = entries.map(|entry| entry.expect("a file").path()).collect();

@@ -186,7 +186,7 @@ fn files_with_a_mistake_are_refused_where_it_is() {
 }
 
 fn load(text: &str, kernel: Kernel) -> Result<ScanSet, String> {
-    file::load(&with(text).path().join("scans.csv"), kernel).map_err(|failure| failure.to_string())
+    file::load(&with(text).path().join("scans.csv"), kernel, None).map_err(|failure| failure.to_string())
 }
 
 #[test]
@@ -408,10 +408,40 @@ fn a_scene_is_driven_through_with_all_of_its_sensors() {
 /// A camera's false match of next to no disparity would say kilometres.
 #[test]
 fn what_a_scene_reads_counts_on_its_map_alone() {
-    let found = json(
-        TempDir::new().expect("temporary folder").path(),
-        &["--scans", "room", "--grid", "0.2", "--repeats", "1", "--mappers", "log-odds-octomap", "--format", "json"],
-    );
+    let arguments =
+        ["--scans", "room", "--grid", "0.2", "--repeats", "1", "--mappers", "log-odds-octomap", "--format", "json"];
+    let arguments = [&arguments[..], &["--reach", "3"]].concat();
+    let folder = TempDir::new().expect("temporary folder");
+    let (out, err) = checked(0, &arguments, &speed(folder.path(), &arguments));
+    let found: Value = serde_json::from_str(&out).expect("JSON");
     // 10 m by 8 m, and a metre around them.
     assert_eq!(found["rows"][0]["map_cells"], 60 * 50);
+    assert!(
+        err.contains("warning: --reach: has no effect on ") && err.contains("which has sensors and a map"),
+        "{err}"
+    );
+}
+
+/// So would that of a log: its map reaches as far as 99 in 100 readings say, or as far as it is told.
+#[test]
+fn a_disparity_of_next_to_none_does_not_make_the_map_large() {
+    let mut text = HEAD.replace("range_m", "disparity_px");
+    for ray in 0..200 {
+        let _ = writeln!(text, "0,0,0,0,{},{}", f64::from(ray) * 0.001, if ray == 7 { 1e-6 } else { 5.0 });
+    }
+    let folder = with(&text);
+    let of = |options: &[&str]| {
+        let usual =
+            ["--scans", "scans.csv", "--grid", "0.1", "--repeats", "1", "--mappers", "visibility", "--format", "json"];
+        let found = json(folder.path(), &[&usual, options].concat());
+        ["rays", "cells_visited", "map_cells"].map(|column| found["rows"][0][column].as_u64().expect("a number"))
+    };
+    // The camera looks along x: 3 m of range, 0.6 m to the left, and a metre around; a ray crosses some 30 cells, that of the false match
+    // 40 up to the border.
+    let [rays, visited, cells] = of(&[]);
+    assert!(rays == 200 && (50 * 25..=51 * 27).contains(&cells) && visited < 200 * 45, "{rays} {visited} {cells}");
+    assert_eq!(of(&["--reach", "2"])[2], 20 * 20, "poses alone, since all that was read lies beyond");
+    let arguments = ["--scans", "scans.csv", "--reach", "1e9"];
+    let (_, err) = checked(2, &arguments, &speed(folder.path(), &arguments));
+    assert!(err.contains("leave what is far away off the map with --reach"), "{err}");
 }

@@ -29,6 +29,7 @@ mod renewal;
 mod scan;
 mod settled;
 mod slowly;
+mod squares;
 mod sums;
 pub(crate) mod tail;
 pub(crate) mod tiles;

@@ -22,6 +22,7 @@ use mapper::Model;
 use mapper::catalogue::MAPPERS;
 
 use self::extent::Survey;
+use self::mapping::Turns;
 use self::predictions::Predictions;
 use self::recalibrated::FOLDS;
 use self::recording::Recording;
@@ -99,7 +100,8 @@ pub fn run(mut options: ReplayOptions) -> Result<(), Failure> {
     let mut staging = Staging::open(&out, &Purpose::new("replay", &reads, outputs::names(&entries, &options.paper)))?;
 
     let mapping = Instant::now();
-    let maps = mapping::map(&recording, &survey, options.hold_out, &entries, &setup)?;
+    let turns = if options.timing { Turns::Timed } else { Turns::Together };
+    let maps = mapping::map(&recording, &survey, options.hold_out, &entries, &setup, turns)?;
     let seconds = mapping.elapsed().as_secs_f64();
     let predictions =
         Predictions::of(&recording, (options.hold_out, &survey), &maps, &setup, &|kind| options.spread(kind))?;
@@ -123,11 +125,12 @@ pub fn run(mut options: ReplayOptions) -> Result<(), Failure> {
     if options.print.format == Format::Text {
         let mapped = survey.kept - survey.kept / options.hold_out;
         note(format_args!(
-            "{} in {:.1} s; {:.0} scans/s by {} mappers at once{}",
+            "{} in {:.1} s; {:.0} scans/s by {} mappers {}{}",
             place.display(),
             start.elapsed().as_secs_f64(),
             mapped as f64 / seconds,
             entries.len(),
+            if options.timing { "in turns" } else { "at once" },
             pace(&survey, start.elapsed().as_secs_f64())
         ));
     }

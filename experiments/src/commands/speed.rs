@@ -63,8 +63,12 @@ pub fn run(options: &SpeedOptions) -> Result<(), Failure> {
     // Before a scene is driven through, which takes threads.
     threads::limit(Some(1))?;
     let set = match options.scans.as_ref().map(|path| scenes::or_file(path)) {
-        Some((scene, true)) => simulated::load(&scene)?,
-        Some((path, false)) => file::load(&path, options.sensor)?,
+        Some((scene, true)) => {
+            let place = scene.display().to_string();
+            options.given.warn(&["sensor", "reach"], &place, "a scene, which has sensors and a map of its own");
+            simulated::load(&scene)?
+        }
+        Some((path, false)) => file::load(&path, options.sensor, options.reach)?,
         None => Hall::new()?.scans(),
     };
     let (setup, conditions) = conditions(options, &set)?;

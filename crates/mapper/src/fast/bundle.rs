@@ -226,7 +226,7 @@ impl Bundle {
         if self.trace.lines.alive[l] <= 0.0 || place.entered < from_m || place.entered >= until_m {
             return;
         }
-        let Some(leap) = settled::leap(inputs.map, ray, place, until_m) else { return };
+        let Some(leap) = settled::leap(inputs.map, inputs.squares, ray, place, until_m) else { return };
         let last = Some(inputs.map.numbering.at(leap.landing.at));
         let before = self.trace.before(l);
         let passage = Passage { ray: 0, from: place, with_first: true, before, last, until_m: f64::INFINITY };

@@ -4,11 +4,14 @@ use sensor::SensorModel;
 
 use crate::belief::prior::Continuity;
 use crate::fast::map::Map;
+use crate::fast::squares::Squares;
 use crate::ray::bearing_chain::BearingChain;
 
 /// What the rays of a scan read: the map before it, and the mapper's model.
 pub(super) struct Inputs<'a> {
     pub(super) map: &'a Map,
+    /// What is known of its squares; none where time passes for it, in which nothing stays settled.
+    pub(super) squares: Option<&'a Squares>,
     pub(super) continuity: Continuity,
     pub(super) sensor: &'a dyn SensorModel,
     /// `u0` of an unseen world.

@@ -11,7 +11,7 @@ use crate::fast::inputs::Inputs;
 use crate::fast::lines::Lines;
 use crate::fast::passage::{Passage, Reach};
 use crate::fast::sums::{Sums, word};
-use crate::fast::tiles::{PATCH, SIDE};
+use crate::fast::tiles::{PATCH, SIDE, SQUARE_SIDE};
 use crate::fast::walk::Walk;
 
 /// The cells behind those that rays have moved, up to `until_m` (m) of each, in which others of the scan may have moved some.
@@ -93,18 +93,24 @@ fn find(inputs: &Inputs, ray: &Ray, passage: &Passage, (sums, extents): (&Sums, 
     loop {
         let place = walk.place;
         let number = numbering.at(place.at);
-        let crossing = walk.crossing();
+        // Nothing is met in a square in which no ray was added.
+        let square = numbering.square_at(place.at);
+        let is_busy = sums.is_busy(square);
+        let crossing = if is_busy { walk.crossing::<SIDE>() } else { walk.crossing::<SQUARE_SIDE>() };
         let crosses = |k: usize| {
             let [a, b] = [place.at[k], crossing.last.at[k]].map(|at| at % SIDE as u32);
             (0xffu8 << a.min(b)) & (0xff >> (SIDE as u32 - 1 - a.max(b)))
         };
         let meets = |sheet: usize| extents[sheet][0] & crosses(1) > 0 && extents[sheet][1] & crosses(0) > 0;
-        if sums.sheet_of(number as usize / PATCH).is_some_and(meets) {
+        if is_busy && sums.sheet_of(number as usize / PATCH).is_some_and(meets) {
             run = run.or(Some(begin));
         } else if let Some(run) = run.take() {
             runs.push(Passage { last: Some(number), ..run });
         }
-        let ends = passage.last.is_some_and(|last| last as usize / PATCH == number as usize / PATCH);
+        let ends = passage.last.is_some_and(|last| match is_busy {
+            true => last as usize / PATCH == number as usize / PATCH,
+            false => numbering.square_of(last) == square,
+        });
         let Some(next) = crossing.next.filter(|next| !ends && next.entered <= passage.until_m) else {
             runs.extend(run.map(|run| Passage { last: passage.last, ..run }));
             return;

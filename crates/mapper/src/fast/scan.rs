@@ -173,6 +173,11 @@ impl Workspace {
         }
     }
 
+    /// The squares in which cells may move in phase 4.
+    pub(super) fn touched(&self) -> Vec<u32> {
+        self.workers[0].sums.squares().to_vec()
+    }
+
     /// Phase 4.
     pub(super) fn reconcile(&mut self, map: &mut Map, continuity: Continuity, rule: Reconciliation) {
         let sums = &mut self.workers[0].sums;

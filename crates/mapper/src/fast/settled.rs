@@ -3,7 +3,7 @@
 //! Up to some range before its reading, the likelihood `c` of a kernel is the same for all chords. Whatever is hit there, a cell
 //! has the posterior `P'(E) = P(E) c / Z`, so that one of at most [`SETTLED`] moves by no more than that, as long as `c` is not
 //! more than the evidence `Z`. What lies farther learns from such cells only how likely the ray was to pass: by the hazard of
-//! each, of which a patch knows the mean.
+//! each, of which a patch knows the mean, and a [square](super::squares) that of its patches.
 
 use sensor::lanes::{LANES, Lanes, each};
 use sensor::{Ray, ReadingKernel};
@@ -12,8 +12,9 @@ use crate::fast::budget::{LEAPT, SETTLED};
 use crate::fast::inputs::Inputs;
 use crate::fast::map::Map;
 use crate::fast::passage::Passage;
-use crate::fast::tiles::SIDE;
-use crate::fast::walk::{Place, Walk};
+use crate::fast::squares::Squares;
+use crate::fast::tiles::{SIDE, SQUARE_SIDE};
+use crate::fast::walk::{Crossing, Place, Walk};
 
 /// Fewer cells are not worth it.
 const FEWEST: u32 = 2 * SIDE as u32;
@@ -29,19 +30,22 @@ pub(super) struct Leap {
     pub(super) hazard: f32,
 }
 
-/// The leap from a cell over settled patches, up to a range (m) that the last of them does not exceed; none over few cells.
-pub(super) fn leap(map: &Map, ray: &Ray, from: Place, until_m: f64) -> Option<Leap> {
+/// The leap from a cell over settled patches, and squares of them, up to a range (m) that the last of them does not exceed; none over few cells.
+pub(super) fn leap(map: &Map, squares: Option<&Squares>, ray: &Ray, from: Place, until_m: f64) -> Option<Leap> {
     let (mut cells, mut hazard, mut landing) = (0, 0.0f32, from);
     let mut walk = Walk::new(&map.numbering, ray.origin_m, ray.direction, from);
     loop {
-        let summary = map.summary(map.numbering.at(walk.place.at));
-        if summary.most > SETTLED {
-            break;
-        }
-        let crossing = walk.crossing();
-        let Some(next) = crossing.next.filter(|_| crossing.exit <= until_m) else { break };
+        let at = walk.place.at;
+        let within = |crossing: Crossing| Some((crossing, crossing.next.filter(|_| crossing.exit <= until_m)?));
+        let of_square = squares.and_then(|squares| squares.settled(at));
+        let wide = of_square.and_then(|square| Some((square.onset, within(walk.crossing::<SQUARE_SIDE>())?)));
+        let narrow = || {
+            let patch = map.summary(map.numbering.at(at));
+            Some((patch.onset, within((patch.most <= SETTLED).then(|| walk.crossing::<SIDE>())?)?))
+        };
+        let Some((onset, (crossing, next))) = wide.or_else(narrow) else { break };
         cells += crossing.cells;
-        hazard += crossing.cells as f32 * summary.onset;
+        hazard += crossing.cells as f32 * onset;
         landing = crossing.last;
         walk.place = next;
     }
@@ -84,5 +88,60 @@ impl Leaps {
     /// Whether what a ray leapt over was as good as settled, given the evidence for its reading.
     pub(super) fn hold(&self, l: usize, evidence: f32) -> bool {
         self.cells[l] == 0 || self.likelihood[l] <= evidence && self.hit[l] * self.likelihood[l] <= LEAPT * evidence
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::belief::prior::Continuity;
+    use crate::fast::tiles::PATCH;
+    use crate::model::Model;
+    use grid::GridSpec;
+    use proptest::prelude::*;
+    use sensor::Stereo;
+    use std::sync::Arc;
+
+    /// A map of 3 x 2 squares, the last of them cut off by the border, of which all is settled but one cell.
+    fn settled(seen: [usize; 2]) -> (Map, Squares) {
+        let grid = GridSpec { cell_m: 0.05, origin_m: [0.0; 2], width: 320, height: 200 };
+        let mut map = Map::unseen(&Model::new(grid, Arc::new(Stereo::default())));
+        for row in 0..grid.height {
+            for column in 0..grid.width {
+                let number = map.numbering.number(column, row);
+                let p = if [column, row] == seen { 0.5 } else { 1e-6 * (1 + (column + row) % 3) as f32 };
+                let tile = map.make(number as usize / 256);
+                tile.occupied[number as usize % 256] = p;
+                tile.both[0][number as usize % 256] = 0.0;
+                tile.both[1][number as usize % 256] = 0.0;
+            }
+        }
+        let patches = (0..map.numbering.tiles() * 4).map(|patch| (patch * PATCH) as u32);
+        patches.for_each(|cell| map.summarise_patch(cell, Continuity::Kept));
+        let mut squares = Squares::unseen(&map);
+        assert!([[0, 0], [200, 100], [319, 199]].iter().all(|at| squares.settled(*at).is_none()), "unseen");
+        squares.summarise(&map, &[0, 1, 2, 3, 4, 5]);
+        (map, squares)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(256))]
+        /// Over squares, a leap has the cells and the landing of one over patches, and a hazard that is a mean as well.
+        #[test]
+        fn squares_are_patches(
+            x in 0.0f64..16.0, y in 0.0f64..10.0, angle in -4.0f64..4.0, until_m in 0.0f64..20.0,
+            column in 0usize..320, row in 0usize..200,
+        ) {
+            let (map, squares) = settled([column, row]);
+            let (square, whole) = (map.numbering.square_of(map.numbering.number(column, row)), squares.settled([0, 0]));
+            prop_assert_eq!(whole.is_none(), square == 0);
+            let ray = Ray { origin_m: [x, y], direction: [angle.cos(), angle.sin()], bearing_rad: 0.0, reading: None };
+            let from = Place { at: [(x / 0.05) as u32, (y / 0.05) as u32], entered: 0.0 };
+            let [wide, narrow] = [Some(&squares), None].map(|squares| leap(&map, squares, &ray, from, until_m));
+            prop_assert_eq!(wide.map(|leap| (leap.landing, leap.cells)), narrow.map(|leap| (leap.landing, leap.cells)));
+            if let (Some(wide), Some(narrow)) = (wide, narrow) {
+                prop_assert!((wide.hazard / narrow.hazard - 1.0).abs() < 0.02, "{} {}", wide.hazard, narrow.hazard);
+            }
+        }
     }
 }

@@ -168,12 +168,17 @@ fn split(cell: u32) -> (usize, usize) {
 
 /// The sums of the patches that were touched, on a sheet for each.
 pub(super) struct Sums {
+    numbering: Numbering,
     /// Number of every patch's sheet, 0 where it has none.
     numbers: Vec<u32>,
     /// Sheet 0 is that of no patch. Those not in use are empty.
     sheets: Vec<Sheet>,
     /// The patch of each sheet in use.
     patches: Vec<u32>,
+    /// Whether a patch of a square has a sheet ...
+    busy: Vec<bool>,
+    /// ... and the squares of which one has.
+    squares: Vec<u32>,
 }
 
 /// A cell's sheet, and its place on it. The default is on the sheet of no patch: marks there are marks nowhere.
@@ -187,7 +192,14 @@ impl Sums {
     /// No ray.
     pub(super) fn new(numbering: Numbering) -> Self {
         let patches = numbering.tiles() * (TILE / PATCH);
-        Self { numbers: vec![0; patches], sheets: vec![Sheet::EMPTY], patches: vec![0] }
+        Self {
+            numbering,
+            numbers: vec![0; patches],
+            sheets: vec![Sheet::EMPTY],
+            patches: vec![0],
+            busy: vec![false; numbering.squares()],
+            squares: Vec::new(),
+        }
     }
 
     /// Where a cell is summed, on a new sheet if need be.
@@ -207,6 +219,10 @@ impl Sums {
         let sheet = self.patches.len();
         self.patches.push(patch as u32);
         self.numbers[patch] = sheet as u32;
+        let square = self.numbering.square_of((patch * PATCH) as u32);
+        if !std::mem::replace(&mut self.busy[square], true) {
+            self.squares.push(square as u32);
+        }
         if self.sheets.len() == sheet {
             // Not twice as many: it is as large as the largest scan for good.
             self.sheets.reserve_exact(sheet / 16 + 1);
@@ -297,6 +313,17 @@ impl Sums {
         Some(self.numbers[patch] as usize).filter(|sheet| *sheet > 0)
     }
 
+    /// Whether a patch of a square has a sheet.
+    #[inline(always)]
+    pub(super) fn is_busy(&self, square: usize) -> bool {
+        self.busy[square]
+    }
+
+    /// The squares of which a patch has a sheet.
+    pub(super) fn squares(&self) -> &[u32] {
+        &self.squares
+    }
+
     /// The rows and columns of every patch with a sheet, as bits, that rays were added through; by the number of the sheet.
     pub(super) fn extents(&self) -> Vec<[u8; 2]> {
         self.sheets[..self.patches.len()].iter().map(Sheet::extent).collect()
@@ -334,12 +361,15 @@ impl Sums {
         for patch in self.patches.drain(1..) {
             self.numbers[patch as usize] = 0;
         }
+        for square in self.squares.drain(..) {
+            self.busy[square as usize] = false;
+        }
     }
 }
 
 impl Held for Sums {
     fn held(&self) -> usize {
-        self.numbers.held() + self.patches.held() + self.sheets.held()
+        self.numbers.held() + self.patches.held() + self.sheets.held() + self.busy.held() + self.squares.held()
     }
 }
 

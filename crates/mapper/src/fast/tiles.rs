@@ -20,6 +20,9 @@ pub(crate) const SIDE: usize = LANES;
 /// ... and so many cells. Four patches are a tile, the unit of memory.
 pub(crate) const PATCH: usize = SIDE * SIDE;
 
+/// A square, over which a ray can leap at once, has so many cells along each side.
+pub(crate) const SQUARE_SIDE: usize = 128;
+
 /// Bits of a cell's place in its tile that belong to its column (0) and row (1), patch by patch.
 const BITS: [u32; 2] = [0b0100_0111, 0b1011_1000];
 
@@ -52,6 +55,33 @@ impl Numbering {
     /// Number of tiles along x and y.
     pub(crate) fn size(&self) -> [usize; 2] {
         self.tiles
+    }
+
+    /// Number of squares.
+    pub(crate) fn squares(&self) -> usize {
+        self.squares_along(0) * self.squares_along(1)
+    }
+
+    #[inline(always)]
+    fn squares_along(&self, axis: usize) -> usize {
+        self.tiles[axis].div_ceil(SQUARE_SIDE / TILE_SIDE)
+    }
+
+    /// Number of the square of the cell in a column and row.
+    #[inline(always)]
+    pub(crate) fn square_at(&self, [column, row]: [u32; 2]) -> usize {
+        row as usize / SQUARE_SIDE * self.squares_along(0) + column as usize / SQUARE_SIDE
+    }
+
+    /// Number of a cell's square.
+    pub(crate) fn square_of(&self, number: u32) -> usize {
+        self.square_at(self.column_row(number).map(|at| at as u32))
+    }
+
+    /// Column and row of the first cell of a square.
+    pub(crate) fn corner_of(&self, square: usize) -> [usize; 2] {
+        let along = self.squares_along(0);
+        [square % along, square / along].map(|at| at * SQUARE_SIDE)
     }
 
     /// Side of a tile, m.

@@ -15,6 +15,7 @@ use crate::fast::map::Map;
 use crate::fast::pool::Pool;
 use crate::fast::renewal::Changes;
 use crate::fast::scan::{Group, Selection, select};
+use crate::fast::squares::Squares;
 use crate::mapper::{Mapper, Work};
 use crate::memory::Held;
 use crate::model::{Model, Sensors};
@@ -33,6 +34,8 @@ const FEW_RAYS: usize = 1024;
 /// differs from the reference, [`crate::Visibility`], by less than 1e-5 in any marginal or joint.
 pub struct FastVisibility {
     map: Map,
+    /// What is known of its squares; none of a world that changes.
+    squares: Option<Squares>,
     continuity: Continuity,
     sensors: Sensors,
     onset: f64,
@@ -74,13 +77,14 @@ impl FastVisibility {
     /// The paper's method in a world that changes: the time between scans passes for the places that they look at.
     pub fn dynamic(model: &Model, renewal: Renewal) -> Self {
         let visibility = Self::visibility(model);
-        Self { changes: Some(Changes::new(&visibility.map, renewal)), ..visibility }
+        Self { changes: Some(Changes::new(&visibility.map, renewal)), squares: None, ..visibility }
     }
 
     fn new(model: &Model, continuity: Continuity) -> Self {
         let map = Map::unseen(model);
         Self {
             pool: Pool::new(map.numbering),
+            squares: Some(Squares::unseen(&map)),
             map,
             continuity,
             sensors: model.sensors.clone(),
@@ -175,16 +179,20 @@ impl FastVisibility {
             .iter()
             .zip(&others)
             .map(|((sensor, selection), others)| {
-                let inputs = inputs(&self.map, self.continuity, self.onset, &**sensor);
+                let inputs = inputs((&self.map, self.squares.as_ref()), self.continuity, self.onset, &**sensor);
                 Group { inputs: Inputs { others: others.as_ref(), hops, ..inputs }, selection }
             })
             .collect();
         let mut workspace = self.pool.take();
         let [cells, skipped] = workspace.update_rays(&groups); // Eqs. (1)-(7), (21)
         workspace.add_passing(&groups); // Eq. (20): rays past what they move
+        let touched = workspace.touched();
         match edges {
             Some(lateral) => workspace.reconcile_laterally(&mut self.map, lateral, hops),
             None => workspace.reconcile(&mut self.map, self.continuity, self.reconciliation), // Eqs. (18)-(20)
+        }
+        if let Some(squares) = &mut self.squares {
+            squares.summarise(&self.map, &touched);
         }
         self.pool.give_back(workspace);
         (self.cells, self.skipped) = (self.cells + cells, self.skipped + skipped);
@@ -196,8 +204,13 @@ impl FastVisibility {
 }
 
 /// What rays that are taken one by one read.
-fn inputs<'a>(map: &'a Map, continuity: Continuity, onset: f64, sensor: &'a dyn SensorModel) -> Inputs<'a> {
-    Inputs { map, continuity, sensor, onset, others: None, hops: 0 }
+fn inputs<'a>(
+    (map, squares): (&'a Map, Option<&'a Squares>),
+    continuity: Continuity,
+    onset: f64,
+    sensor: &'a dyn SensorModel,
+) -> Inputs<'a> {
+    Inputs { map, squares, continuity, sensor, onset, others: None, hops: 0 }
 }
 
 impl Mapper for FastVisibility {
@@ -232,7 +245,7 @@ impl Mapper for FastVisibility {
         spec.locate(scan.pose.position_m())?;
         let rays: Vec<Ray> = scan.rays().filter(|ray| ray.reading.is_some()).collect();
         let map = self.now();
-        let inputs = inputs(&map, self.continuity, self.onset, &**self.sensors.of(scan));
+        let inputs = inputs((&map, self.squares.as_ref()), self.continuity, self.onset, &**self.sensors.of(scan));
         let mut workspace = self.pool.take();
         let evidence = workspace.evidence(&inputs, &rays);
         self.pool.give_back(workspace);
@@ -246,6 +259,7 @@ impl Mapper for FastVisibility {
     fn fork(&self) -> Option<Box<dyn Mapper>> {
         Some(Box::new(Self {
             map: self.map.clone(),
+            squares: self.squares.clone(),
             sensors: self.sensors.clone(),
             changes: self.changes.clone(),
             occupancy: OnceCell::new(),
@@ -258,6 +272,7 @@ impl Mapper for FastVisibility {
         Work {
             cells: self.cells + self.skipped,
             bytes: self.map.held()
+                + self.squares.as_ref().map_or(0, Held::held)
                 + self.changes.as_ref().map_or(0, Held::held)
                 + self.occupancy.held()
                 + self.pool.held(),

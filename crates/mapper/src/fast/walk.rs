@@ -1,6 +1,6 @@
-//! A line that goes on patch by patch: the cells at which it enters them are those of [`super::lines::Lines`], to the bit.
+//! A line that goes on patch by patch, or square by square: the cells at which it enters them are those of [`super::lines::Lines`], to the bit.
 
-use crate::fast::tiles::{Numbering, SIDE};
+use crate::fast::tiles::Numbering;
 
 /// A cell on a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -11,16 +11,16 @@ pub(super) struct Place {
     pub(super) entered: f64,
 }
 
-/// A way through a patch.
+/// A way through a patch or a square.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Crossing {
-    /// The last cell in the patch.
+    /// The last cell in it.
     pub(super) last: Place,
-    /// The first cell of the next patch; none where the line leaves the grid.
+    /// The first cell of the next; none where the line leaves the grid.
     pub(super) next: Option<Place>,
     /// Number of cells from the one that it was in to the last, both included.
     pub(super) cells: u32,
-    /// Range at which it leaves the patch, m.
+    /// Range at which it leaves it, m.
     pub(super) exit: f64,
 }
 
@@ -69,11 +69,11 @@ impl Axis {
         if self.forward { at + 1 } else { at }
     }
 
-    /// The grid line behind its patch, or the border.
+    /// The grid line behind its patch or square, of which this is the side, or the border.
     #[inline(always)]
-    fn border(&self, at: u32) -> u32 {
-        let first = at / SIDE as u32 * SIDE as u32;
-        if self.forward { (first + SIDE as u32).min(self.limit) } else { first }
+    fn border(&self, at: u32, side: u32) -> u32 {
+        let first = at / side * side;
+        if self.forward { (first + side).min(self.limit) } else { first }
     }
 
     /// The cell before a grid line, as the line runs.
@@ -88,7 +88,7 @@ impl Axis {
         if self.forward { (line < self.limit).then_some(line) } else { line.checked_sub(1) }
     }
 
-    /// The last cell from `at` on whose entry has been crossed, by `passed`, before the border of the patch.
+    /// The last cell from `at` on whose entry has been crossed, by `passed`, before a border.
     #[inline(always)]
     fn at_range(&self, at: u32, border: u32, range: f64, passed: impl Fn(u32) -> bool) -> u32 {
         let end = self.before(border);
@@ -122,11 +122,11 @@ impl Walk {
         Self { axes, place }
     }
 
-    /// The way out of the patch that the line is in. O(1).
+    /// The way out of the patch, or the square, of so many cells on a side that the line is in. O(1).
     #[inline(always)]
-    pub(super) fn crossing(&self) -> Crossing {
+    pub(super) fn crossing<const SIDE: usize>(&self) -> Crossing {
         let (axes, Place { at, entered }) = (&self.axes, self.place);
-        let borders = [axes[0].border(at[0]), axes[1].border(at[1])];
+        let borders = [0, 1].map(|k| axes[k].border(at[k], SIDE as u32));
         let ranges = [axes[0].range(borders[0]), axes[1].range(borders[1])];
         // Where both lines are crossed at once, that of x is first.
         let (across, range) = if ranges[0] <= ranges[1] { (0, ranges[0]) } else { (1, ranges[1]) };
@@ -159,16 +159,43 @@ impl Walk {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fast::tiles::PATCH;
+    use crate::fast::tiles::{PATCH, SIDE, SQUARE_SIDE};
     use grid::{DigitalLine, GridSpec};
     use proptest::prelude::*;
+
+    /// A walk over the parts that the cells of a line are in, by their places on it.
+    fn walks(
+        mut walk: Walk,
+        crossing: fn(&Walk) -> Crossing,
+        numbering: &Numbering,
+        line: &DigitalLine,
+        part: &dyn Fn(usize) -> usize,
+    ) -> Result<(), TestCaseError> {
+        let mut k = 0;
+        loop {
+            let crossing = crossing(&walk);
+            let last = (k..line.len()).take_while(|j| part(*j) == part(k)).count() + k - 1;
+            prop_assert_eq!(crossing.cells as usize, last - k + 1);
+            let found = |place: &Place| (numbering.at(place.at), place.entered);
+            let expected = |k: usize| (numbering.of(line.cells()[k]), line.ranges()[k]);
+            prop_assert_eq!(found(&crossing.last), expected(last));
+            prop_assert!((crossing.exit - line.ranges()[last + 1]).abs() <= 0.0);
+            let Some(next) = crossing.next else {
+                prop_assert_eq!(last + 1, line.len());
+                return Ok(());
+            };
+            k = last + 1;
+            prop_assert_eq!(found(&next), expected(k));
+            walk.place = next;
+        }
+    }
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(2_000))]
         #[test]
-        fn they_enter_and_leave_patches_where_digital_lines_do(
+        fn they_enter_and_leave_patches_and_squares_where_digital_lines_do(
             x in 0.0f64..1.0, y in 0.0f64..1.0, angle in -7.0f64..7.0, kind in 0usize..8,
-            width in 1usize..90, height in 1usize..70,
+            width in 1usize..300, height in 1usize..270,
         ) {
             let spec = GridSpec { cell_m: 0.05, origin_m: [-0.5, 1.0], width, height };
             let inside = |share: f64, cells: usize| share * cells as f64 * 0.05;
@@ -186,23 +213,11 @@ mod tests {
             let numbering = Numbering::new(spec);
             let number = |k: usize| numbering.of(line.cells()[k]);
             let (column, row) = spec.column_row(line.cells()[0]);
-            let mut walk = Walk::new(&numbering, origin, direction, Place { at: [column as u32, row as u32], entered: 0.0 });
-            let mut k = 0;
-            loop {
-                let crossing = walk.crossing();
-                let last = (k..line.len()).take_while(|j| number(*j) as usize / PATCH == number(k) as usize / PATCH).count() + k - 1;
-                prop_assert_eq!(crossing.cells as usize, last - k + 1);
-                let found = |place: &Place| (numbering.number(place.at[0] as usize, place.at[1] as usize), place.entered);
-                prop_assert_eq!(found(&crossing.last), (number(last), line.ranges()[last]));
-                prop_assert!((crossing.exit - line.ranges()[last + 1]).abs() <= 0.0);
-                let Some(next) = crossing.next else {
-                    prop_assert_eq!(last + 1, line.len());
-                    break;
-                };
-                k = last + 1;
-                prop_assert_eq!(found(&next), (number(k), line.ranges()[k]));
-                walk.place = next;
-            }
+            let start = Walk::new(&numbering, origin, direction, Place { at: [column as u32, row as u32], entered: 0.0 });
+            let patches = |k: usize| number(k) as usize / PATCH;
+            let squares = |k: usize| numbering.square_of(number(k));
+            walks(start.clone(), Walk::crossing::<SIDE>, &numbering, &line, &patches)?;
+            walks(start, Walk::crossing::<SQUARE_SIDE>, &numbering, &line, &squares)?;
         }
     }
 }

@@ -10,6 +10,7 @@ use sensor::{Scan, SensorModel};
 use super::recording::{self, Recording};
 use crate::failure::Failure;
 use crate::worlds::kernels::{self, Shared};
+use crate::worlds::usual_range::Ranges;
 
 /// More cells than this are not a building but a mistake in the poses: some 20 GB with all mappers.
 const MOST_CELLS: usize = 100_000_000;
@@ -17,14 +18,8 @@ const MOST_CELLS: usize = 100_000_000;
 /// Places on the path that are kept for the picture, at most.
 const MOST_PLACES: usize = 4096;
 
-/// Ranges are counted in steps of this, m.
-const STEP_M: f64 = 0.1;
-
 /// What lies around the outermost readings, m.
 const MARGIN_M: f64 = 0.5;
-
-/// Share of the echoes that lie within the reach of the map.
-const WITHIN: f64 = 0.99;
 
 /// What a log holds.
 pub(super) struct Survey {
@@ -196,22 +191,16 @@ fn usual_range(
     recording: &Recording,
     sensors: &mut impl FnMut(&Event) -> Result<Known, Failure>,
 ) -> Result<f64, Failure> {
-    let mut counts = vec![0u64; 2001];
+    let mut ranges = Ranges::default();
     let mut log = recording.scans()?;
     while let Some(event) = log.next_event() {
         let event = event.map_err(recording::refused)?;
         let sensor = sensors(&event)?;
         for ray in event.scan.rays() {
             if let Some(range_m) = ray.reading.and_then(|reading| sensor.model.range_of(reading, ray.bearing_rad)) {
-                counts[((range_m / STEP_M) as usize).min(2000)] += 1;
+                ranges.add(range_m);
             }
         }
     }
-    let all: u64 = counts.iter().sum();
-    let mut sum = 0;
-    let within = counts.iter().position(|count| {
-        sum += count;
-        sum as f64 >= WITHIN * all as f64
-    });
-    Ok(STEP_M * (within.unwrap_or(0) + 1) as f64)
+    Ok(ranges.usual_m())
 }

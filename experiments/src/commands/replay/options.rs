@@ -115,6 +115,9 @@ pub struct ReplayOptions {
     /// As --repeat-distance, for turns, degrees
     #[arg(long, value_name = "DEG", default_value_t = REPEAT_DEG, allow_negative_numbers = true, value_parser = positive)]
     pub repeat_angle: f64,
+    /// Map with one mapper after the other, and tell on stderr how long each took, without reading and predicting
+    #[arg(long)]
+    pub timing: bool,
     /// Folder for tables, maps, pictures and report, written whole or not at all [default: results/replay- and the log's name]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,

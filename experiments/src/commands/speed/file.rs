@@ -10,16 +10,18 @@ use sensor::{Laser, Scan, Stereo};
 use super::scans::{Carrier, Kernel, ScanSet};
 use crate::failure::Failure;
 use crate::worlds::kernels::{self, SonarOptions};
+use crate::worlds::usual_range::Ranges;
 
 /// More rays are taken for a mistake: these need 2 GB.
 const MOST_RAYS: usize = 50_000_000;
 
 /// Reads a log, or a table of scans, for the given kernel; of a log of several kinds of sensors, or of sonars, each for what it is. 32 bytes are
-/// kept of each ray, and as many more while it is read.
+/// kept of each ray, and as many more while it is read. The map covers what was read up to the reach (m): where none is given every range, or,
+/// where there are disparities, which can say any range, that of 99 in 100 readings.
 ///
 /// # Errors
 /// A file that cannot be read; the first line of it that is damaged; disparities for a laser.
-pub fn load(path: &Path, kernel: Kernel) -> Result<ScanSet, Failure> {
+pub fn load(path: &Path, kernel: Kernel, reach_m: Option<f64>) -> Result<ScanSet, Failure> {
     // A camera sees as far as its disparities reach, and ends of ranges beyond are on the map.
     let max_range_m = (kernel == Kernel::Stereo).then_some(f64::INFINITY);
     let mut read = Read::of(path, max_range_m)?;
@@ -47,9 +49,27 @@ pub fn load(path: &Path, kernel: Kernel) -> Result<ScanSet, Failure> {
             }
         }
     };
-    let mut set = ScanSet::of(read.sensors.iter().map(carrier).collect());
-    read.scans().iter().for_each(|scan| set.add(scan));
+    let carriers: Vec<Carrier> = read.sensors.iter().map(carrier).collect();
+    let has_disparities = read.sensors.values().any(|sensor| matches!(sensor, Sensor::Stereo));
+    let scans = read.scans();
+    let reach_m =
+        reach_m.unwrap_or_else(|| if has_disparities { usual_range(scans, &carriers) } else { f64::INFINITY });
+    let mut set = ScanSet::of(carriers).within(reach_m);
+    scans.iter().for_each(|scan| set.add(scan));
     Ok(set)
+}
+
+/// The range within which all but a few readings lie, m.
+fn usual_range(scans: &[Scan], carriers: &[Carrier]) -> f64 {
+    let mut ranges = Ranges::default();
+    for scan in scans {
+        for (&bearing_rad, &given) in scan.bearings_rad.iter().zip(&scan.readings) {
+            if let (_, Some(range_m)) = carriers[scan.sensor].read(bearing_rad, given) {
+                ranges.add(range_m);
+            }
+        }
+    }
+    ranges.usual_m()
 }
 
 /// What a log holds.

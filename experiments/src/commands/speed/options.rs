@@ -7,7 +7,7 @@ use clap::Args;
 use super::scans::Kernel;
 use super::world::Known;
 use crate::figures::Paper;
-use crate::output::args::{FormatOption, count, positive, trimmed};
+use crate::output::args::{FormatOption, Given, count, positive, trimmed};
 use crate::programs::options::ProgramOptions;
 use crate::worlds::ranked::SortOption;
 
@@ -37,6 +37,9 @@ pub struct SpeedOptions {
     /// Side of a cell in metres
     #[arg(long, value_name = "M", default_value_t = 0.05, allow_negative_numbers = true, value_parser = positive)]
     pub grid: f64,
+    /// The map covers all poses and what was read up to this range, m [default: every range; of disparities, which can say any, that of 99 in 100]
+    #[arg(long, value_name = "M", requires = "scans", allow_negative_numbers = true, value_parser = positive)]
+    pub reach: Option<f64>,
     /// Times that every mapper maps the scans; the best counts
     #[arg(long, value_name = "N", default_value_t = 3, allow_negative_numbers = true, value_parser = count(MOST_REPEATS))]
     pub repeats: u32,
@@ -59,6 +62,9 @@ pub struct SpeedOptions {
     /// How rows are ordered
     #[command(flatten)]
     pub order: SortOption,
+    /// Which options were given
+    #[arg(skip)]
+    pub given: Given,
 }
 
 const FORM: &str = "\
@@ -77,4 +83,4 @@ the reading; a range of 80 m or more (in a CARMEN log, of its maximum) is no ech
 range_m, sonar_m, by the column sensor), and of sonars, each sensor is what it is. What several sensors read at one time is one scan; each is \
 measured without the others too.
 
-The map covers all poses and ends of ranges, and 1 m more on every side.";
+The map covers all poses and ends of ranges up to --reach, and 1 m more on every side; a scene has a map of its own.";

@@ -41,6 +41,8 @@ pub struct ScanSet {
     ranges_m: Vec<f64>,
     /// Lower-left and upper-right corner of all poses and ends of ranges, or of the map that counts, m; none before the first pose.
     extent_m: Option<[[f64; 2]; 2]>,
+    /// Ranges beyond this do not make the map larger, m.
+    reach_m: f64,
     /// What took the scans, by number; one at least.
     sensors: Vec<Carrier>,
 }
@@ -67,7 +69,12 @@ impl Default for ScanSet {
 impl ScanSet {
     /// No scans yet, of these sensors, one at least.
     pub fn of(sensors: Vec<Carrier>) -> Self {
-        Self { scans: Vec::new(), ranges_m: Vec::new(), extent_m: None, sensors }
+        Self { scans: Vec::new(), ranges_m: Vec::new(), extent_m: None, reach_m: f64::INFINITY, sensors }
+    }
+
+    /// The same on a map that covers poses, and what is read up to this range, m.
+    pub fn within(self, reach_m: f64) -> Self {
+        Self { reach_m, ..self }
     }
 
     /// No scans yet, of a laser that sees so far, m.
@@ -135,7 +142,7 @@ impl ScanSet {
         scan.bearings_rad.push(bearing_rad);
         scan.readings.push(reading);
         self.ranges_m.push(range_m.filter(|_| reading.is_some()).unwrap_or(f64::NAN));
-        if let Some(range) = range_m {
+        if let Some(range) = range_m.filter(|range| *range <= self.reach_m) {
             let (at, along) = (scan.pose.position_m(), scan.pose.direction(bearing_rad));
             self.reach([0, 1].map(|k| at[k] + range * along[k]));
         }
@@ -178,7 +185,7 @@ impl ScanSet {
             Ok(spec) if spec.cells() <= MOST_CELLS => Ok(spec),
             _ => Err(format!(
                 "poses and ranges with {MARGIN_M} m around them are {width} x {height} cells of {cell_m} m; must be at most \
-                 {MOST_CELLS} cells; use larger cells with --grid, or leave out what is far away"
+                 {MOST_CELLS} cells; use larger cells with --grid, or leave what is far away off the map with --reach"
             )),
         }
     }
@@ -273,7 +280,14 @@ mod tests {
         let message = set.grid(0.05).expect_err("45 million cells along x");
         assert!(message.contains("25000000") && message.contains("--grid"), "{message}");
         assert!(set.grid(1.0).is_ok());
+        let mut near = ScanSet::default().within(5.0);
+        near.begin(Pose { x_m: 1.0, y_m: 1.0, theta_rad: 0.0 });
+        [9e5, 4.0].into_iter().for_each(|range| near.ray(0.0, Some(range)));
+        let spec = near.grid(0.5).expect("small");
+        assert_eq!((spec.width, spec.height), (12, 4), "from 0 to 6 m; both rays are mapped, the one up to the border");
+        assert_eq!(near.visited(&spec).rays, 2);
     }
+
     #[test]
     fn several_sensors_keep_their_readings_and_can_be_taken_apart() {
         let sensors = vec![

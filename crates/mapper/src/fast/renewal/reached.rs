@@ -78,7 +78,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::fast::tiles::split;
+    use crate::fast::tiles::{SIDE, split};
     use crate::fast::walk::{Place, Walk};
 
     proptest! {
@@ -106,7 +106,7 @@ mod tests {
                 let start = spec.column_row(spec.locate(ray.origin_m).expect("inside"));
                 let mut walk = Walk::new(&numbering, ray.origin_m, ray.direction, Place { at: [start.0 as u32, start.1 as u32], entered: 0.0 });
                 loop {
-                    let crossing = walk.crossing();
+                    let crossing = walk.crossing::<SIDE>();
                     for at in [walk.place.at, crossing.last.at] {
                         let cell = numbering.at(at);
                         let beside = (0..2).flat_map(|axis| [numbering.after(cell, axis), numbering.before(cell, axis)]);
