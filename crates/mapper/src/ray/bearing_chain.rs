@@ -126,20 +126,7 @@ impl BearingChain {
         }
         let mut joint = likelihood;
         let mut spread = vec![0.0; joint.len()];
-        let rows = factors.chunks_mut(count).zip(joint.chunks_mut(count)).zip(spread.chunks_mut(count));
-        for ((factors, joint), spread) in rows {
-            joint.iter_mut().zip(&*factors).for_each(|(own, factor)| *own = *own * (*own * factor));
-            // Evidence is then at most about one, whatever the others measured.
-            let peak = joint.iter().copied().fold(0.0, f32::max);
-            let scale = if peak > f32::MIN_POSITIVE { 1.0 / peak } else { 1.0 };
-            let (mut least, mut most) = (f32::INFINITY, 0.0f32);
-            for k in (0..count).rev() {
-                factors[k] *= scale;
-                joint[k] *= scale;
-                (least, most) = (least.min(joint[k]), most.max(joint[k]));
-                spread[k] = most - least;
-            }
-        }
+        of_all(count, &mut factors, &mut joint, &mut spread);
         Self { rank, nodes, factors, joint, spread }
     }
 
@@ -243,6 +230,41 @@ fn likelihoods(sensor: &dyn SensorModel, rays: &[Ray], nodes: &Nodes) -> Vec<f32
     likelihood
 }
 
+in_lanes! {
+    /// From the likelihood of every ray's own reading, in `joint`, that of all readings, to scale with the factors, and how much it spreads.
+    fn of_all<'a>(count: usize, factors: &'a mut [f32], joint: &'a mut [f32], spread: &'a mut [f32]) {
+        of_each(count, factors, joint, spread);
+    }
+}
+
+#[inline(always)]
+fn of_each(count: usize, factors: &mut [f32], joint: &mut [f32], spread: &mut [f32]) {
+    let rows = factors.chunks_exact_mut(count).zip(joint.chunks_exact_mut(count)).zip(spread.chunks_exact_mut(count));
+    for ((factors, joint), spread) in rows {
+        joint.iter_mut().zip(&*factors).for_each(|(own, factor)| *own = *own * (*own * factor));
+        // Evidence is then at most about one, whatever the others measured.
+        let peak = most(joint);
+        let scale = if peak > f32::MIN_POSITIVE { 1.0 / peak } else { 1.0 };
+        factors.iter_mut().for_each(|factor| *factor *= scale);
+        joint.iter_mut().for_each(|joint| *joint *= scale);
+        let (mut least, mut most) = (f32::INFINITY, 0.0f32);
+        for (spread, joint) in spread.iter_mut().zip(&*joint).rev() {
+            least = if *joint < least { *joint } else { least };
+            most = if *joint > most { *joint } else { most };
+            *spread = most - least;
+        }
+    }
+}
+
+/// The largest of some values, 0 at least.
+#[inline(always)]
+fn most(values: &[f32]) -> f32 {
+    let (values, rest) = values.as_chunks::<LANES>();
+    let larger = |most: f32, value: f32| if value > most { value } else { most };
+    let lanes = values.iter().fold([0.0; LANES], |most: Lanes<f32>, value| each(|l| larger(most[l], value[l])));
+    lanes.into_iter().chain(rest.iter().copied()).fold(0.0, larger)
+}
+
 /// Rays in the order of their bearings.
 struct Walk<'a> {
     nodes: &'a Nodes,
@@ -285,44 +307,59 @@ struct Side {
     known: Vec<f32>,
     /// How much a node counts at the next.
     decay: Vec<f32>,
-    /// Sums of what is known, and of what it weighs, over nodes up to each, and over those beyond it.
-    nearer: Vec<[f32; 2]>,
-    farther: Vec<[f32; 2]>,
+    nearer: Summed,
+    farther: Summed,
+}
+
+/// Sums over nodes up to each, or over those beyond it.
+struct Summed {
+    /// Of what is known.
+    known: Vec<f32>,
+    /// Of what it weighs.
+    weight: Vec<f32>,
+}
+
+impl Summed {
+    fn new(count: usize) -> Self {
+        Self { known: vec![0.0; count], weight: vec![0.0; count] }
+    }
 }
 
 impl Side {
     fn new(count: usize) -> Self {
-        let (zeros, pairs) = (vec![0.0; count], vec![[0.0; 2]; count]);
-        Self { message: vec![1.0; count], known: zeros.clone(), decay: zeros, nearer: pairs.clone(), farther: pairs }
+        let (nearer, farther) = (Summed::new(count), Summed::new(count));
+        Self { message: vec![1.0; count], known: vec![0.0; count], decay: vec![0.0; count], nearer, farther }
     }
 
     /// Everything that needs no sum.
     #[inline(always)]
     fn begin(&mut self, walk: &Walk, [from, to]: [usize; 2]) {
-        let (nodes, count) = (walk.nodes, self.message.len());
+        let count = self.message.len();
         let slope = (SLOPE * apart(walk.rays, [from, to])) as f32;
         let blur_m = walk.surfaces.blur_m as f32;
         let own = &walk.likelihood[from * count..][..count];
-        for (k, own) in own.iter().enumerate() {
-            self.known[k] = self.message[k] * own;
-            let widths = (nodes.range[k] * slope + blur_m) * nodes.per_width[k];
-            self.decay[k] = widths / (1.0 + widths);
+        let known = self.known.iter_mut().zip(&self.message).zip(own);
+        known.for_each(|((known, message), own)| *known = message * own);
+        for ((decay, range), per_width) in self.decay.iter_mut().zip(&walk.nodes.range).zip(&walk.nodes.per_width) {
+            let widths = (range * slope + blur_m) * per_width;
+            *decay = widths / (1.0 + widths);
         }
     }
 
     /// The new message, from the sums.
     #[inline(always)]
     fn end(&mut self, walk: &Walk, rays: [usize; 2]) {
-        let (nodes, count) = (walk.nodes, self.message.len());
+        let nodes = walk.nodes;
         let anywhere = sum(&self.known, &nodes.unseen);
         let per_metre = (apart(walk.rays, rays) / walk.surfaces.reach_m) as f32;
-        for k in 0..count {
-            let ([near, weight], [beyond, further]) = (self.nearer[k], self.farther[k]);
-            let near = (near + self.decay[k] * beyond) / (weight + self.decay[k] * further);
+        let sums = self.nearer.known.iter().zip(&self.nearer.weight).zip(&self.farther.known).zip(&self.farther.weight);
+        let places = self.message.iter_mut().zip(&self.decay).zip(&nodes.range);
+        for (((message, decay), range), (((near, weight), beyond), further)) in places.zip(sums) {
+            let near = (near + decay * beyond) / (weight + decay * further);
             // The surface goes on: surely where rays touch, not at all from the reach on.
-            let left = 1.0 - nodes.range[k] * per_metre;
+            let left = 1.0 - range * per_metre;
             let left = if left > 0.0 { left } else { 0.0 };
-            self.message[k] = anywhere + left * left * (near - anywhere);
+            *message = anywhere + left * left * (near - anywhere);
         }
         // Of readings that are impossible wherever the ray ends, nothing is learnt.
         let total = sum(&self.message, &nodes.unseen);
@@ -353,19 +390,31 @@ fn sum(values: &[f32], weights: &[f32]) -> f32 {
 /// The sums of both sides, nearer and farther: four chains that do not wait for each other.
 #[inline(always)]
 fn sums([a, b]: &mut [Side; 2], width: &[f32]) {
-    let count = width.len();
     let mut sums = [[0.0f32; 2]; 4];
     let after = |[sum, weight]: [f32; 2], known: f32, decay: f32, width: f32| {
         [width * known + decay * sum, width + decay * weight]
     };
-    for k in 0..count {
-        let end = count - 1 - k;
-        sums[0] = after(sums[0], a.known[k], a.decay[k], width[k]);
-        sums[1] = after(sums[1], b.known[k], b.decay[k], width[k]);
-        (a.nearer[k], b.nearer[k]) = (sums[0], sums[1]);
-        (a.farther[end], b.farther[end]) = (sums[2], sums[3]);
-        sums[2] = after(sums[2], a.known[end], a.decay[end], width[end]);
-        sums[3] = after(sums[3], b.known[end], b.decay[end], width[end]);
+    let mut forward =
+        a.nearer.known.iter_mut().zip(&mut a.nearer.weight).zip(b.nearer.known.iter_mut().zip(&mut b.nearer.weight));
+    let mut backward = a
+        .farther
+        .known
+        .iter_mut()
+        .zip(&mut a.farther.weight)
+        .zip(b.farther.known.iter_mut().zip(&mut b.farther.weight))
+        .rev();
+    let values = a.known.iter().zip(&a.decay).zip(b.known.iter().zip(&b.decay)).zip(width);
+    for ((((ak, ad), (bk, bd)), w), (((end_ak, end_ad), (end_bk, end_bd)), end_w)) in values.clone().zip(values.rev()) {
+        sums[0] = after(sums[0], *ak, *ad, *w);
+        sums[1] = after(sums[1], *bk, *bd, *w);
+        if let Some(((a_sum, a_weight), (b_sum, b_weight))) = forward.next() {
+            ([*a_sum, *a_weight], [*b_sum, *b_weight]) = (sums[0], sums[1]);
+        }
+        if let Some(((a_sum, a_weight), (b_sum, b_weight))) = backward.next() {
+            ([*a_sum, *a_weight], [*b_sum, *b_weight]) = (sums[2], sums[3]);
+        }
+        sums[2] = after(sums[2], *end_ak, *end_ad, *end_w);
+        sums[3] = after(sums[3], *end_bk, *end_bd, *end_w);
     }
 }
 
