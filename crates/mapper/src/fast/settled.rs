@@ -95,7 +95,7 @@ impl Leaps {
 mod tests {
     use super::*;
     use crate::belief::prior::Continuity;
-    use crate::fast::tiles::PATCH;
+    use crate::fast::tiles::{PATCH, TILE, split};
     use crate::model::Model;
     use grid::GridSpec;
     use proptest::prelude::*;
@@ -110,13 +110,12 @@ mod tests {
             for column in 0..grid.width {
                 let number = map.numbering.number(column, row);
                 let p = if [column, row] == seen { 0.5 } else { 1e-6 * (1 + (column + row) % 3) as f32 };
-                let tile = map.make(number as usize / 256);
-                tile.occupied[number as usize % 256] = p;
-                tile.both[0][number as usize % 256] = 0.0;
-                tile.both[1][number as usize % 256] = 0.0;
+                let (tile, place) = split(number);
+                let tile = map.make(tile);
+                (tile.occupied[place], tile.both[0][place], tile.both[1][place]) = (p, 0.0, 0.0);
             }
         }
-        let patches = (0..map.numbering.tiles() * 4).map(|patch| (patch * PATCH) as u32);
+        let patches = (0..map.numbering.tiles() * TILE / PATCH).map(|patch| (patch * PATCH) as u32);
         patches.for_each(|cell| map.summarise_patch(cell, Continuity::Kept));
         let mut squares = Squares::unseen(&map);
         assert!([[0, 0], [200, 100], [319, 199]].iter().all(|at| squares.settled(*at).is_none()), "unseen");
